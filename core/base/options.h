@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/vec.h"
+
+/// Every option of a conversion as a plain, validated value. `proto/options.h` parses them from
+/// the wire and lists them with their ranges; the stages of `core/` read them.
+namespace rivage::core {
+
+enum class GridFormat : std::uint8_t { automatic, vox, npy, raw };
+enum class RawType : std::uint8_t { u8, u16 };
+enum class LabelMode : std::uint8_t { automatic, solid, material, palette, map };
+
+/// One label of an explicit label map: its name and the palette entries (.vox) or stored values
+/// (other formats) that it takes; `rest` takes whatever no other label takes.
+struct LabelRule {
+    std::string name;
+    std::vector<std::uint32_t> values;
+    bool rest = false;
+};
+
+struct InputOptions {
+    GridFormat format = GridFormat::automatic;
+    std::optional<Vec3i> dims;       ///< raw only: voxels along x, y, z
+    RawType rawType = RawType::u8;   ///< raw only: little-endian, x fastest
+    LabelMode labels = LabelMode::automatic;
+    std::vector<LabelRule> labelMap; ///< with `LabelMode::map`
+    bool keepHidden = false;         ///< hidden layers, groups and shapes are converted too
+    int frame = 0;                   ///< which model of a shape with several frames
+};
+
+enum class NormalMethod : std::uint8_t { trivial, convolved, integralInvariant };
+enum class Fairness : std::uint8_t { umbrella, tangential };
+enum class JunctionFairness : std::uint8_t { umbrella, curve };
+enum class SolverKind : std::uint8_t { automatic, pcg, projected, gradientDescent, cholesky };
+enum class Preset : std::uint8_t { studio, paper };
+
+struct NormalOptions {
+    NormalMethod method = NormalMethod::convolved;
+    double radius = 4;  ///< voxels
+};
+
+struct EnergyOptions {
+    double alpha = 0.01;
+    double beta = 1;
+    double gamma = 0.05;
+    Fairness fairness = Fairness::tangential;
+    JunctionFairness junctionFairness = JunctionFairness::curve;
+};
+
+struct SolveOptions {
+    SolverKind solver = SolverKind::automatic;
+    std::optional<double> displacementLimit = 0.49;  ///< voxels, sup norm
+    double tolerance = 1e-6;  ///< of the relative residual (of the KKT conditions with a limit)
+    int maxIterations = 5000;
+    bool untangle = true;
+};
+
+struct MethodOptions {
+    NormalOptions normals = {};
+    EnergyOptions energy = {};
+    SolveOptions solve = {};
+};
+
+/// The method options that a preset stands for.
+/// @source METHOD.md section 8; [CGL18] for `paper`
+[[nodiscard]] MethodOptions presetOptions(Preset preset);
+
+enum class OutputFormat : std::uint8_t { glb, obj };
+enum class Parts : std::uint8_t { exterior, interfaces };
+enum class Colors : std::uint8_t { voxel, label, none };
+enum class Shading : std::uint8_t { smooth, crease, flat };
+enum class Compression : std::uint8_t { draco, none };
+enum class Pivot : std::uint8_t { bottom, center, corner, world };
+enum class UpAxis : std::uint8_t { y, z };
+
+struct OutputOptions {
+    OutputFormat format = OutputFormat::glb;
+    Parts parts = Parts::exterior;
+    Colors colors = Colors::voxel;
+    Shading shading = Shading::smooth;
+    Compression compression = Compression::draco;
+    std::optional<int> dracoPositionBits;  ///< automatic: a step of at most 0.01 voxel
+    int dracoSpeed = 5;                    ///< 0 smallest .. 10 fastest
+    double voxelSize = 0.1;                ///< metres
+    Pivot pivot = Pivot::bottom;
+    UpAxis up = UpAxis::y;
+};
+
+struct ConversionOptions {
+    InputOptions input = {};
+    Preset preset = Preset::studio;
+    MethodOptions method = {};  ///< those of `preset`, with what was given beside it
+    OutputOptions output = {};
+};
+
+}  // namespace rivage::core

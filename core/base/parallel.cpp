@@ -1,0 +1,30 @@
+#include "core/base/parallel.h"
+
+#include <algorithm>
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+namespace rivage::core {
+
+void parallelBlocks(std::size_t count, std::size_t blockSize, int threads,
+                    const std::function<void(std::size_t, std::size_t)>& body) {
+    const std::size_t blocks = (count + blockSize - 1) / blockSize;
+    const auto runBlock = [&](std::size_t block) {
+        body(block * blockSize, std::min(count, (block + 1) * blockSize));
+    };
+    if (threads <= 1 || blocks <= 1) {
+        for (std::size_t block = 0; block < blocks; ++block) runBlock(block);
+        return;
+    }
+    tbb::task_arena arena(threads);
+    arena.execute([&] {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, 1),
+                          [&](const tbb::blocked_range<std::size_t>& range) {
+                              for (std::size_t b = range.begin(); b != range.end(); ++b)
+                                  runBlock(b);
+                          });
+    });
+}
+
+}  // namespace rivage::core

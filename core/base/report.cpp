@@ -1,0 +1,98 @@
+#include "core/base/report.h"
+
+namespace rivage::core {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json toJson(const InputReport& input) {
+    Json labels = Json::array();
+    for (const auto& label : input.labels)
+        labels.push_back({{"name", label.name}, {"voxels", label.voxels}});
+    return {{"format", input.format},       {"dims", input.dims},
+            {"voxels", input.voxels},       {"models", input.models},
+            {"instances", input.instances}, {"materials", input.materials},
+            {"labels", std::move(labels)}};
+}
+
+Json toJson(const SurfaceReport& surface) {
+    Json interfaces = Json::array();
+    for (const auto& patch : surface.interfaces)
+        interfaces.push_back(
+            {{"inner", patch.inner}, {"outer", patch.outer}, {"surfels", patch.surfels}});
+    return {{"pointels", surface.pointels},
+            {"surfels", surface.surfels},
+            {"linels", surface.linels},
+            {"junction_linels", surface.junctionLinels},
+            {"junction_pointels", surface.junctionPointels},
+            {"interfaces", std::move(interfaces)}};
+}
+
+Json toJson(const EnergyReport& energy) {
+    return {{"data", energy.data},
+            {"alignment", energy.alignment},
+            {"fairness", energy.fairness},
+            {"total", energy.total()}};
+}
+
+Json toJson(const OutputReport& output) {
+    Json json = {{"media_type", output.mediaType},
+                 {"parts", output.parts},
+                 {"vertices", output.vertices},
+                 {"triangles", output.triangles}};
+    if (output.bytes) json["bytes"] = *output.bytes;
+    return json;
+}
+
+Json closedByLabel(const ConversionReport& report) {
+    Json closed = Json::object();
+    for (std::size_t i = 0; i < report.output.closed.size(); ++i)
+        closed[report.input.labels[i].name] = static_cast<bool>(report.output.closed[i]);
+    return closed;
+}
+
+}  // namespace
+
+Json toJson(const ConversionReport& report) {
+    const SolveReport& solve = report.solve;
+    Json json = {
+        {"input", toJson(report.input)},
+        {"options", report.options},
+        {"surface", toJson(report.surface)},
+        {"energy", {{"before", toJson(solve.before)}, {"after", toJson(solve.after)}}},
+        {"solver",
+         {{"name", solve.solver},
+          {"iterations", solve.iterations},
+          {"relative_residual", solve.residual}}},
+        {"displacement", {{"rms", solve.displacementRms}, {"max", solve.displacementMax}}},
+        {"inverted_faces", {{"before", solve.invertedBefore}, {"after", solve.invertedAfter}}},
+        {"closed", closedByLabel(report)},
+        {"output", toJson(report.output)}};
+    if (report.milliseconds) {
+        double total = 0;
+        for (std::size_t i = 0; i < kStageCount; ++i) {
+            json["milliseconds"][stageName(static_cast<Stage>(i))] = (*report.milliseconds)[i];
+            total += (*report.milliseconds)[i];
+        }
+        json["milliseconds"]["total"] = total;
+    }
+    json["warnings"] = report.warnings;
+    return json;
+}
+
+Json toJson(const Inspection& inspection) {
+    Json palette = Json::array();
+    for (const auto& entry : inspection.palette)
+        palette.push_back({{"source", entry.source},
+                           {"color", entry.color},
+                           {"label", entry.label},
+                           {"class", entry.kind},
+                           {"name", entry.name}});
+    return {{"input", toJson(inspection.input)},
+            {"surface", {{"pointels", inspection.pointels}, {"surfels", inspection.surfels}}},
+            {"predicted_memory", inspection.predictedMemory},
+            {"palette", std::move(palette)},
+            {"warnings", inspection.warnings}};
+}
+
+}  // namespace rivage::core

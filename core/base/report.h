@@ -1,0 +1,105 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/run_context.h"
+
+namespace rivage::core {
+
+struct InputReport {
+    std::string format;           ///< e.g. "vox 200"
+    std::array<int, 3> dims{};    ///< of the merged grid, voxels
+    std::uint64_t voxels = 0;     ///< not empty, after merging
+    std::uint64_t models = 0;
+    std::uint64_t instances = 0;  ///< merged ones
+    std::uint64_t materials = 0;  ///< used ones
+    struct LabelInfo {
+        std::string name;
+        std::uint64_t voxels = 0;
+    };
+    std::vector<LabelInfo> labels;  ///< label 1 first
+};
+
+struct SurfaceReport {
+    std::uint64_t pointels = 0;
+    std::uint64_t surfels = 0;
+    std::uint64_t linels = 0;
+    std::uint64_t junctionLinels = 0;
+    std::uint64_t junctionPointels = 0;
+    struct InterfaceInfo {
+        std::string inner;
+        std::string outer;
+        std::uint64_t surfels = 0;
+    };
+    std::vector<InterfaceInfo> interfaces;
+};
+
+/// The energy by term, METHOD.md section 2.2.
+struct EnergyReport {
+    double data = 0;
+    double alignment = 0;
+    double fairness = 0;
+    [[nodiscard]] double total() const { return data + alignment + fairness; }
+};
+
+struct SolveReport {
+    std::string solver;
+    int iterations = 0;
+    double residual = 0;         ///< relative, of the linear system or of the KKT conditions
+    EnergyReport before;
+    EnergyReport after;
+    double displacementRms = 0;  ///< voxels, Euclidean
+    double displacementMax = 0;  ///< voxels, sup norm
+    std::uint64_t invertedBefore = 0;  ///< faces, before untangling
+    std::uint64_t invertedAfter = 0;
+};
+
+struct OutputReport {
+    std::string mediaType;
+    std::uint64_t vertices = 0;
+    std::uint64_t triangles = 0;
+    std::uint64_t parts = 0;
+    std::optional<std::uint64_t> bytes;  ///< unknown inside the artifact itself
+    /// One entry a label, label 1 first: every edge of its boundary has an even number of faces.
+    std::vector<bool> closed;
+};
+
+struct ConversionReport {
+    InputReport input;
+    SurfaceReport surface;
+    nlohmann::ordered_json options;  ///< the options in force, filled in by the caller
+    SolveReport solve;
+    OutputReport output;
+    /// Wall time by stage; measured by the caller, so that core reads no clock; never in the
+    /// artifact, whose bytes must not depend on time.
+    std::optional<std::array<double, kStageCount>> milliseconds;
+    std::vector<std::string> warnings;
+};
+
+/// The report as users see it (API.md section 3).
+[[nodiscard]] nlohmann::ordered_json toJson(const ConversionReport& report);
+
+/// What `POST /v1/inspect` answers: the input and the surface, nothing solved.
+struct Inspection {
+    InputReport input;
+    std::uint64_t surfels = 0;
+    std::uint64_t pointels = 0;
+    std::uint64_t predictedMemory = 0;  ///< bytes
+    struct PaletteEntry {
+        std::uint32_t source = 0;       ///< palette entry or stored value
+        std::string color;              ///< "#rrggbbaa", sRGB
+        std::string label;
+        std::string kind;               ///< material class
+        std::string name;
+    };
+    std::vector<PaletteEntry> palette;
+    std::vector<std::string> warnings;
+};
+[[nodiscard]] nlohmann::ordered_json toJson(const Inspection& inspection);
+
+}  // namespace rivage::core
