@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
@@ -17,7 +18,10 @@ void parallelBlocks(std::size_t count, std::size_t blockSize, int threads,
         for (std::size_t block = 0; block < blocks; ++block) runBlock(block);
         return;
     }
-    tbb::task_arena arena(threads);
+    // More threads than the process allows would only make the library warn on stderr.
+    const auto allowed =
+        tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+    tbb::task_arena arena(static_cast<int>(std::min<std::size_t>(threads, allowed)));
     arena.execute([&] {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, 1),
                           [&](const tbb::blocked_range<std::size_t>& range) {

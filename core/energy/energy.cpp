@@ -1,0 +1,244 @@
+#include "core/energy/energy.h"
+
+#include <Eigen/Eigenvalues>
+
+#include "core/base/parallel.h"
+
+namespace rivage::core {
+namespace {
+
+PointelId pointel(std::size_t i) { return PointelId{static_cast<std::uint32_t>(i)}; }
+SurfelId surfel(std::size_t i) { return SurfelId{static_cast<std::uint32_t>(i)}; }
+constexpr std::size_t kBlock = 2048;
+
+}  // namespace
+
+EnergyWeights EnergyWeights::uniform(const DigitalSurface& surface, const EnergyOptions& options) {
+    return {IdVector<PointelId, double>(surface.pointelCount(), options.alpha),
+            IdVector<SurfelId, double>(surface.surfelCount(), options.beta),
+            IdVector<PointelId, double>(surface.pointelCount(), options.gamma)};
+}
+
+Energy::Energy(const DigitalSurface& surface, NormalField normals, EnergyWeights weights,
+               const EnergyOptions& options, int threads)
+    : surface_(surface),
+      normals_(std::move(normals)),
+      weights_(std::move(weights)),
+      threads_(threads) {
+    chooseFairnessNeighbours(options.junctionFairness);
+    listIncidentCorners();
+    if (options.fairness == Fairness::tangential) computeTangentialFairness();
+}
+
+void Energy::chooseFairnessNeighbours(JunctionFairness rule) {
+    fairnessSlots_.resize(size());
+    inverseDegree_.resize(size());
+    for (std::size_t n = 0; n < size(); ++n) {
+        const PointelId i = pointel(n);
+        unsigned slots = 0;
+        for (int slot = 0; slot < kSlots; ++slot)
+            if (surface_.neighbours[i][slot] != kNone<PointelId>) slots |= 1U << slot;
+        if (rule == JunctionFairness::curve && surface_.junctionSlots[i] != 0)
+            slots = surface_.isJunctionPointel(i) ? 0 : surface_.junctionSlots[i];
+        fairnessSlots_[i] = static_cast<std::uint8_t>(slots);
+        inverseDegree_[i] = slots == 0 ? 0 : 1.0 / __builtin_popcount(slots);
+    }
+}
+
+void Energy::listIncidentCorners() {
+    start_.assign(size() + 1, 0);
+    for (const auto& corners : surface_.corners)
+        for (const PointelId i : corners) ++start_[index(i) + 1];
+    for (std::size_t n = 0; n < size(); ++n) start_[n + 1] += start_[n];
+    incident_.resize(surface_.surfelCount() * 4);
+    std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
+    for (std::size_t f = 0; f < surface_.surfelCount(); ++f)
+        for (std::size_t k = 0; k < 4; ++k)
+            incident_[next[index(surface_.corners[surfel(f)][k])]++] =
+                static_cast<std::uint32_t>(4 * f + k);
+}
+
+// With M the mean of n n^T over the surfels around a pointel, the eigenvalues of M tell along how
+// many directions the surface bends there; a direction with eigenvalue l is damped by
+// 1 / (1 + (l / tau)^2).
+void Energy::computeTangentialFairness() {
+    constexpr double kTau = 0.06;  // METHOD.md 2.7
+    tangential_.resize(size());
+    parallelBlocks(size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n) {
+            Mat3d mean = Mat3d::Zero();
+            for (std::uint32_t e = start_[n]; e < start_[n + 1]; ++e) {
+                const Vec3d& normal = normals_[surfel(incident_[e] / 4)];
+                mean += normal * normal.transpose();
+            }
+            mean /= start_[n + 1] - start_[n];
+            const Eigen::SelfAdjointEigenSolver<Mat3d> eigen(mean);
+            const Vec3d ratio = eigen.eigenvalues() / kTau;
+            const Vec3d damped = (1 + ratio.array().square()).inverse();
+            const Vec3d squared = damped.array().square();
+            tangential_[pointel(n)] =
+                eigen.eigenvectors() * squared.asDiagonal() * eigen.eigenvectors().transpose();
+        }
+    });
+}
+
+PointelVectors Energy::restPositions() const {
+    PointelVectors rest(size());
+    for (std::size_t n = 0; n < size(); ++n)
+        rest[pointel(n)] = surface_.pointels[pointel(n)].cast<double>();
+    return rest;
+}
+
+Vec3d Energy::fromMean(const PointelVectors& x, PointelId i) const {
+    Vec3d sum = Vec3d::Zero();
+    for (int slot = 0; slot < kSlots; ++slot)
+        if (isFairnessNeighbour(i, slot)) sum += x[surface_.neighbours[i][slot]];
+    return x[i] - sum * inverseDegree_[i];
+}
+
+Mat3d Energy::fairnessBlock(PointelId i) const {
+    if (inverseDegree_[i] == 0) return Mat3d::Zero();
+    if (tangential_.empty()) return weights_.gamma[i] * Mat3d::Identity();
+    return weights_.gamma[i] * tangential_[i];
+}
+
+Vec3d Energy::applyFairness(PointelId i, const Vec3d& y) const {
+    return weights_.gamma[i] * (tangential_.empty() ? y : Vec3d(tangential_[i] * y));
+}
+
+Mat3d Energy::alignmentBlock(PointelId i) const {
+    Mat3d sum = Mat3d::Zero();
+    for (std::uint32_t e = start_[index(i)]; e < start_[index(i) + 1]; ++e) {
+        const SurfelId s = surfel(incident_[e] / 4);
+        sum += weights_.beta[s] * normals_[s] * normals_[s].transpose();
+    }
+    return 2 * sum;  // two edges of each surfel end at i
+}
+
+EnergyReport Energy::value(const PointelVectors& x) const {
+    EnergyReport energy;
+    energy.data = blockedSum(size(), threads_, 0.0, [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t n = begin; n < end; ++n) {
+            const PointelId i = pointel(n);
+            sum += weights_.alpha[i] * (x[i] - surface_.pointels[i].cast<double>()).squaredNorm();
+        }
+        return sum;
+    });
+    const auto alignment = [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t f = begin; f < end; ++f) {
+            const SurfelId s = surfel(f);
+            const auto& corners = surface_.corners[s];
+            for (int k = 0; k < 4; ++k) {
+                const double off = (x[corners[(k + 1) % 4]] - x[corners[k]]).dot(normals_[s]);
+                sum += weights_.beta[s] * off * off;
+            }
+        }
+        return sum;
+    };
+    energy.alignment = blockedSum(surface_.surfelCount(), threads_, 0.0, alignment);
+    energy.fairness = blockedSum(size(), threads_, 0.0, [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t n = begin; n < end; ++n) {
+            if (inverseDegree_[pointel(n)] == 0) continue;
+            const Vec3d y = fromMean(x, pointel(n));
+            sum += y.dot(applyFairness(pointel(n), y));
+        }
+        return sum;
+    });
+    return energy;
+}
+
+// Three passes, each with one writer per element: per surfel the alignment at its corners, per
+// pointel the fairness term u = G B x, then out = A x + (alignment at i) + B^T u.
+void Energy::apply(const PointelVectors& x, PointelVectors& out, Scratch& scratch) const {
+    scratch.faceTerms.resize(surface_.surfelCount() * 4);
+    scratch.fairnessTerms.resize(size());
+    out.resize(size());
+    auto& terms = scratch.faceTerms;
+    auto& fair = scratch.fairnessTerms;
+    parallelBlocks(surface_.surfelCount(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t f = begin; f < end; ++f) {
+            const auto& c = surface_.corners[surfel(f)];
+            const Vec3d& normal = normals_[surfel(f)];
+            const double h[4] = {x[c[0]].dot(normal), x[c[1]].dot(normal), x[c[2]].dot(normal),
+                                 x[c[3]].dot(normal)};
+            const double beta = weights_.beta[surfel(f)];
+            for (int k = 0; k < 4; ++k)
+                terms[4 * f + k] = beta * (2 * h[k] - h[(k + 1) % 4] - h[(k + 3) % 4]);
+        }
+    });
+    parallelBlocks(size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n) {
+            const PointelId i = pointel(n);
+            fair[i] = inverseDegree_[i] == 0 ? Vec3d(Vec3d::Zero())
+                                             : applyFairness(i, fromMean(x, i));
+        }
+    });
+    parallelBlocks(size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n) {
+            const PointelId i = pointel(n);
+            Vec3d sum = weights_.alpha[i] * x[i] + fair[i];
+            for (std::uint32_t e = start_[n]; e < start_[n + 1]; ++e)
+                sum += normals_[surfel(incident_[e] / 4)] * terms[incident_[e]];
+            for (int slot = 0; slot < kSlots; ++slot) {
+                const PointelId j = surface_.neighbours[i][slot];
+                if (j != kNone<PointelId> && isFairnessNeighbour(j, slot ^ 1))
+                    sum -= fair[j] * inverseDegree_[j];
+            }
+            out[i] = sum;
+        }
+    });
+}
+
+PointelVectors Energy::gradient(const PointelVectors& x) const {
+    PointelVectors result;
+    Scratch scratch;
+    apply(x, result, scratch);
+    for (std::size_t n = 0; n < size(); ++n) {
+        const PointelId i = pointel(n);
+        result[i] =
+            2 * (result[i] - weights_.alpha[i] * surface_.pointels[i].cast<double>());
+    }
+    return result;
+}
+
+IdVector<PointelId, Mat3d> Energy::diagonalBlocks() const {
+    IdVector<PointelId, Mat3d> blocks(size());
+    parallelBlocks(size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n) {
+            const PointelId i = pointel(n);
+            Mat3d block = weights_.alpha[i] * Mat3d::Identity() + alignmentBlock(i);
+            block += fairnessBlock(i);
+            for (int slot = 0; slot < kSlots; ++slot) {
+                const PointelId j = surface_.neighbours[i][slot];
+                if (j != kNone<PointelId> && isFairnessNeighbour(j, slot ^ 1))
+                    block += fairnessBlock(j) * (inverseDegree_[j] * inverseDegree_[j]);
+            }
+            blocks[i] = block;
+        }
+    });
+    return blocks;
+}
+
+IdVector<PointelId, double> Energy::majorizer() const {
+    IdVector<PointelId, double> bound(size());
+    parallelBlocks(size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n) {
+            const PointelId i = pointel(n);
+            const Eigen::SelfAdjointEigenSolver<Mat3d> eigen(alignmentBlock(i),
+                                                             Eigen::EigenvaluesOnly);
+            double fairness = inverseDegree_[i] == 0 ? 0 : weights_.gamma[i];
+            for (int slot = 0; slot < kSlots; ++slot) {
+                const PointelId j = surface_.neighbours[i][slot];
+                if (j != kNone<PointelId> && isFairnessNeighbour(j, slot ^ 1))
+                    fairness += weights_.gamma[j] * inverseDegree_[j];
+            }
+            bound[i] = weights_.alpha[i] + 2 * eigen.eigenvalues()[2] + 2 * fairness;
+        }
+    });
+    return bound;
+}
+
+}  // namespace rivage::core

@@ -1,0 +1,130 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/options.h"
+#include "core/base/report.h"
+#include "core/normals/normal_field.h"
+#include "core/surface/digital_surface.h"
+
+namespace rivage::core {
+
+/// One 3-vector per pointel: a position, a displacement or a gradient, in voxel units.
+using PointelVectors = IdVector<PointelId, Vec3d>;
+
+/// The weights of the energy, one alpha and gamma per pointel and one beta per surfel.
+struct EnergyWeights {
+    IdVector<PointelId, double> alpha;  ///< > 0
+    IdVector<SurfelId, double> beta;    ///< >= 0
+    IdVector<PointelId, double> gamma;  ///< >= 0
+
+    /// The same weights everywhere.
+    static EnergyWeights uniform(const DigitalSurface& surface, const EnergyOptions& options);
+};
+
+/// The quadratic energy of all interfaces at once, as a matrix-free operator.
+///
+///     E(x) = sum_i alpha_i |x_i - p_i|^2
+///          + sum_f beta_f sum_{(a,b) edge of f} ((x_a - x_b) . n_f)^2
+///          + sum_i (x_i - b_i)^T G_i (x_i - b_i),   b_i = mean of x_j over the fairness neighbours
+///
+/// `Fairness::umbrella`: G_i = gamma_i I, the energy of the paper. `Fairness::tangential`:
+/// G_i = gamma_i T_i^2, where T_i projects softly along the surface, the crease, or to nothing at
+/// a corner, so that fairness does not shrink them. Fairness neighbours are all neighbours; with
+/// `JunctionFairness::curve` a pointel on a junction curve has only its two neighbours on it.
+///
+/// Half the Hessian, H = A + L + B^T G B, is constant, symmetric and positive definite.
+/// @source [CGL18] equation (1); METHOD.md 2.2, 2.6, 2.7
+class Energy {
+public:
+    /// @param normals  unit vectors; their sign does not matter
+    /// @cost  O(pointels + surfels) time; about 150 bytes per pointel
+    Energy(const DigitalSurface& surface, NormalField normals, EnergyWeights weights,
+           const EnergyOptions& options, int threads);
+
+    [[nodiscard]] const DigitalSurface& surface() const { return surface_; }
+    [[nodiscard]] const EnergyWeights& weights() const { return weights_; }
+    [[nodiscard]] int threads() const { return threads_; }
+    [[nodiscard]] std::size_t size() const { return surface_.pointelCount(); }
+
+    /// p: the lattice positions.
+    [[nodiscard]] PointelVectors restPositions() const;
+    /// The energy by term.
+    [[nodiscard]] EnergyReport value(const PointelVectors& x) const;
+    /// out = H x, half the Hessian times x. `scratch` is resized as needed and may be reused.
+    struct Scratch {
+        std::vector<double> faceTerms;   // 4 per surfel
+        PointelVectors fairnessTerms;
+    };
+    void apply(const PointelVectors& x, PointelVectors& out, Scratch& scratch) const;
+    /// The gradient, 2 (H x - A p).
+    [[nodiscard]] PointelVectors gradient(const PointelVectors& x) const;
+    /// The 3x3 block of H on the diagonal of each pointel.
+    [[nodiscard]] IdVector<PointelId, Mat3d> diagonalBlocks() const;
+    /// Scalars m_i with diag(m_i I) >= H: a step of H / m never increases the energy.
+    /// @source METHOD.md 2.2 (majoriser); the proof holds for any G_i <= gamma_i I
+    [[nodiscard]] IdVector<PointelId, double> majorizer() const;
+
+    /// Coefficients for an assembled matrix: calls `add(i, j, block)` for every 3x3 block that H
+    /// sums up; blocks of one (i, j) come in several parts.
+    template <typename Add>
+    void assemble(Add&& add) const;
+
+private:
+    [[nodiscard]] bool isFairnessNeighbour(PointelId of, int slot) const {
+        return fairnessSlots_[of] >> slot & 1;
+    }
+    [[nodiscard]] Vec3d fromMean(const PointelVectors& x, PointelId i) const;
+    [[nodiscard]] Mat3d fairnessBlock(PointelId i) const;
+    [[nodiscard]] Vec3d applyFairness(PointelId i, const Vec3d& y) const;
+    [[nodiscard]] Mat3d alignmentBlock(PointelId i) const;
+    void chooseFairnessNeighbours(JunctionFairness rule);
+    void listIncidentCorners();
+    void computeTangentialFairness();
+
+    const DigitalSurface& surface_;
+    NormalField normals_;
+    EnergyWeights weights_;
+    int threads_;
+    IdVector<PointelId, std::uint8_t> fairnessSlots_;
+    IdVector<PointelId, double> inverseDegree_;  // 0 without fairness neighbours
+    IdVector<PointelId, Mat3d> tangential_;      // G_i / gamma_i; empty with umbrella fairness
+    // Corners k of surfels f at pointel i, as 4 f + k: incident_[start_[i] .. start_[i + 1]).
+    std::vector<std::uint32_t> start_;
+    std::vector<std::uint32_t> incident_;
+};
+
+template <typename Add>
+void Energy::assemble(Add&& add) const {
+    for (std::size_t f = 0; f < surface_.surfelCount(); ++f) {
+        const SurfelId s{static_cast<std::uint32_t>(f)};
+        const Mat3d block = weights_.beta[s] * normals_[s] * normals_[s].transpose();
+        for (int k = 0; k < 4; ++k) {
+            const PointelId a = surface_.corners[s][k];
+            const PointelId b = surface_.corners[s][(k + 1) % 4];
+            add(a, a, block);
+            add(b, b, block);
+            add(a, b, Mat3d(-block));
+            add(b, a, Mat3d(-block));
+        }
+    }
+    for (std::size_t n = 0; n < size(); ++n) {
+        const PointelId i{static_cast<std::uint32_t>(n)};
+        add(i, i, Mat3d(weights_.alpha[i] * Mat3d::Identity()));
+        if (inverseDegree_[i] == 0) continue;
+        // Row i of B: 1 at i and -1/d at its fairness neighbours.
+        std::array<std::pair<PointelId, double>, kSlots + 1> row;
+        int entries = 0;
+        row[entries++] = {i, 1.0};
+        for (int slot = 0; slot < kSlots; ++slot)
+            if (isFairnessNeighbour(i, slot))
+                row[entries++] = {surface_.neighbours[i][slot], -inverseDegree_[i]};
+        const Mat3d block = fairnessBlock(i);
+        for (int a = 0; a < entries; ++a)
+            for (int b = 0; b < entries; ++b)
+                add(row[a].first, row[b].first, Mat3d(row[a].second * row[b].second * block));
+    }
+}
+
+}  // namespace rivage::core

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+
+#include "core/base/options.h"
+#include "core/energy/energy.h"
+
+namespace rivage::core {
+
+struct Solution {
+    PointelVectors positions;  ///< voxel units
+    std::string solver;        ///< which one ran
+    int iterations = 0;
+    double residual = 0;       ///< |projected gradient| relative to that of the rest positions
+    bool converged = true;     ///< the residual is at most the tolerance
+};
+
+/// Minimizes the energy, inside the box |x_i - p_i|_inf <= displacementLimit if one is set.
+///
+/// Everything is solved for the displacement x - p, whose right-hand side is small, so that the
+/// relative residual means what it says.
+/// @errors invalidOption if `pcg` or `cholesky` is asked for together with a displacement limit;
+///         tooLarge if `cholesky` is asked for a surface above `kMaxCholeskyPointels`; cancelled
+/// @cost   a few hundred to a few thousand operator applications, METHOD.md 2.5 and 7.2
+Result<Solution> minimize(const Energy& energy, const SolveOptions& options, const RunContext& run);
+
+/// Factorization is a reference for small surfaces: its time grows with the square of the size.
+inline constexpr std::size_t kMaxCholeskyPointels = 20000;
+
+}  // namespace rivage::core

@@ -1,0 +1,122 @@
+#include "core/mesh/inverted.h"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "core/mesh/closed.h"
+#include "tests/core/mesh/mesh_fixtures.h"
+
+using namespace rivage::test;
+
+TEST_SUITE("core/mesh") {
+TEST_CASE("invertedFaces: none on the lattice, whatever the labels") {
+    for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+        const DigitalSurface surface = *extractSurface(randomGrid(seed, {5, 5, 5}, 3), {});
+        CHECK(invertedFaces(surface, latticePositions(surface)).empty());
+    }
+}
+
+TEST_CASE("invertedFaces: a folded, a collapsed and a non-finite face") {
+    const DigitalSurface surface = *extractSurface(ballGrid(1, 2), {});
+    const SurfelId face{0};
+    const auto& corners = surface.corners[face];
+    const auto touches = [&](const Positions& positions) {
+        const auto found = invertedFaces(surface, positions);
+        return std::count(found.begin(), found.end(), face) == 1;
+    };
+    Positions folded = latticePositions(surface);
+    folded[corners[0]] = 2 * folded[corners[2]] - folded[corners[0]];
+    CHECK(touches(folded));
+    Positions thin = latticePositions(surface);
+    thin[corners[0]] += 0.99 * (thin[corners[3]] - thin[corners[0]]);
+    thin[corners[1]] += 0.99 * (thin[corners[2]] - thin[corners[1]]);
+    CHECK(touches(thin));
+    Positions notANumber = latticePositions(surface);
+    notANumber[corners[1]].x() = std::numeric_limits<double>::quiet_NaN();
+    CHECK(touches(notANumber));
+}
+
+TEST_CASE("property: untangle leaves no inverted face and moves on segments only") {
+    for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+        CAPTURE(seed);
+        const DigitalSurface surface = *extractSurface(randomGrid(seed, {6, 6, 6}, 2), {});
+        const Positions before = movedPositions(surface, seed < 6 ? 0.49 : 3, seed);
+        const std::size_t bad = invertedFaces(surface, before).size();
+        REQUIRE(bad > 0);
+        Positions after = before;
+        CHECK(untangle(surface, after, {}) == bad);
+        CHECK(invertedFaces(surface, after).empty());
+        for (std::uint32_t i = 0; i < after.size(); ++i) {
+            const Vec3d rest = surface.pointels[PointelId{i}].cast<double>();
+            const Vec3d full = before[PointelId{i}] - rest;
+            const Vec3d kept = after[PointelId{i}] - rest;
+            const double share = kept.norm() / full.norm();
+            CHECK(share <= 1);
+            CHECK((kept - share * full).norm() < 1e-9);
+        }
+    }
+}
+
+TEST_CASE("untangle: what is not near an inverted face stays where it is") {
+    const DigitalSurface surface = *extractSurface(ballGrid(12, 5), {});
+    Positions positions = movedPositions(surface, 0.05);
+    const Positions before = positions;
+    const auto& corners = surface.corners[SurfelId{7}];
+    positions[corners[0]] = before[corners[2]];
+    CHECK(untangle(surface, positions, {}) >= 1);
+    std::size_t moved = 0;
+    for (std::uint32_t i = 0; i < positions.size(); ++i)
+        moved += positions[PointelId{i}] != before[PointelId{i}] ? 1 : 0;
+    CHECK(moved >= 1);
+    CHECK(moved < 20);
+}
+
+TEST_CASE("untangle: positions that are not finite go home") {
+    const DigitalSurface surface = *extractSurface(ballGrid(4, 2), {});
+    Positions positions = latticePositions(surface);
+    positions[PointelId{3}].y() = std::numeric_limits<double>::infinity();
+    positions[PointelId{4}].z() = std::numeric_limits<double>::quiet_NaN();
+    CHECK(untangle(surface, positions, {}) > 0);
+    CHECK(positions == latticePositions(surface));
+}
+
+TEST_CASE("determinism: untangle with threads 1, 2, 7") {
+    const DigitalSurface surface = *extractSurface(randomGrid(3, {20, 20, 20}, 3), {});
+    Positions one = movedPositions(surface, 0.49);
+    Positions two = one;
+    Positions seven = one;
+    const std::size_t bad = untangle(surface, one, {.threads = 1});
+    CHECK(untangle(surface, two, {.threads = 2}) == bad);
+    CHECK(untangle(surface, seven, {.threads = 7}) == bad);
+    CHECK(one == two);
+    CHECK(one == seven);
+}
+
+TEST_CASE("closedLabels: every label of a complete surface is closed") {
+    for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+        const VoxelGrid grid = randomGrid(seed, {5, 6, 4}, 1 + static_cast<int>(seed % 4));
+        const std::vector<bool> closed = closedLabels(grid, *extractSurface(grid, {}));
+        CHECK(closed == std::vector<bool>(grid.labels.size() - 1, true));
+    }
+}
+
+TEST_CASE("closedLabels: a face with a wrong label opens that label and no other") {
+    const VoxelGrid grid = makeGrid({9, 1, 1}, 3, [](const Vec3i& v) {
+        return v.x() % 4 == 0 ? v.x() / 4 + 1 : 0;  // three separate voxels
+    });
+    DigitalSurface surface = *extractSurface(grid, {});
+    CHECK(closedLabels(grid, surface) == std::vector<bool>{true, true, true});
+    SurfelId ofSecond{0};
+    while (index(surface.interfaceOf[ofSecond]) != 1) ofSecond = SurfelId{index(ofSecond) + 1};
+    surface.interfaceOf[ofSecond] = InterfaceId{2};
+    CHECK(closedLabels(grid, surface) == std::vector<bool>{true, false, false});
+}
+
+TEST_CASE("closedLabels: a face that is not linked to its linels is noticed") {
+    const VoxelGrid grid = ballGrid(4, 2);
+    DigitalSurface surface = *extractSurface(grid, {});
+    surface.surfelAxes[PointelId{0}] = 0;
+    CHECK(closedLabels(grid, surface) == std::vector<bool>{false});
+}
+}
