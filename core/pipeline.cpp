@@ -1,0 +1,244 @@
+#include "core/pipeline.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "core/energy/energy.h"
+#include "core/formats/read_scene.h"
+#include "core/gltf/write_glb.h"
+#include "core/gltf/write_obj.h"
+#include "core/grid/scene.h"
+#include "core/mesh/build_mesh.h"
+#include "core/mesh/closed.h"
+#include "core/mesh/inverted.h"
+#include "core/normals/normal_field.h"
+#include "core/solve/minimize.h"
+#include "core/surface/digital_surface.h"
+
+namespace rivage::core {
+namespace {
+
+/// A merged grid with what the report says about where it came from.
+struct Input {
+    VoxelGrid grid;
+    InputReport report;
+    std::vector<std::string> warnings;
+};
+
+InputReport describe(const Scene& scene, const VoxelGrid& grid, const InputOptions& options) {
+    InputReport report;
+    report.format = scene.formatDetail;
+    const Vec3i& size = grid.voxels.size();
+    report.dims = {size.x(), size.y(), size.z()};
+    report.models = scene.models.size();
+    report.instances = static_cast<std::uint64_t>(
+        std::count_if(scene.instances.begin(), scene.instances.end(),
+                      [&](const Instance& i) { return options.keepHidden || !i.hidden; }));
+    report.materials = grid.materials.size() - 1;
+    for (std::size_t l = 1; l < grid.labels.size(); ++l)
+        report.labels.push_back({grid.labels.raw()[l], 0});
+    grid.voxels.forEach([&](const Vec3i&, MaterialId m) {
+        ++report.voxels;
+        ++report.labels[index(grid.materials[m].label) - 1U].voxels;
+    });
+    return report;
+}
+
+Result<Input> readGrid(std::span<const std::byte> bytes, const InputOptions& options,
+                       const RunContext& run) {
+    run.report(Stage::parse, 0);
+    auto scene = readScene(bytes, options, run);
+    if (!scene) return fail(scene.error());
+    auto grid = mergeScene(*scene, options, run);
+    if (!grid) return fail(grid.error());
+    InputReport report = describe(*scene, *grid, options);
+    return Input{*std::move(grid), std::move(report), std::move(scene->warnings)};
+}
+
+/// Peak memory of a conversion, from its counts: an upper bound that tests hold against the real
+/// peak. It covers the surface, the energy, the solver with the most vectors, mesh and artifact.
+std::uint64_t predictMemory(const VoxelGrid& grid, const SurfaceSize& size) {
+    constexpr std::uint64_t kBytesPerSurfel = 1200;
+    constexpr std::uint64_t kFixed = 16ULL << 20;
+    return kFixed + grid.voxels.memoryBytes() + kBytesPerSurfel * size.surfels;
+}
+
+Result<SurfaceSize> checkSize(const VoxelGrid& grid, const RunContext& run) {
+    const auto size = countSurface(grid, run);
+    if (!size) return size;
+    const std::uint64_t memory = predictMemory(grid, *size);
+    if (memory > run.limits.maxMemory)
+        return fail(Error{ErrorCode::memoryBudget,
+                          "this grid has " + std::to_string(size->surfels) +
+                              " surfels, and its conversion would take more memory (bytes) than "
+                              "the budget of one conversion",
+                          "/grid", run.limits.maxMemory, memory, "--memory-budget"});
+    return size;
+}
+
+SurfaceReport describe(const DigitalSurface& surface, const VoxelGrid& grid) {
+    SurfaceReport report;
+    report.pointels = surface.pointelCount();
+    report.surfels = surface.surfelCount();
+    for (std::size_t i = 0; i < surface.pointelCount(); ++i) {
+        const PointelId p{static_cast<std::uint32_t>(i)};
+        // Each linel once, at its low end.
+        for (int slot = 1; slot < kSlots; slot += 2) {
+            report.linels += surface.neighbours[p][slot] != kNone<PointelId>;
+            report.junctionLinels += surface.junctionSlots[p] >> slot & 1;
+        }
+        report.junctionPointels += surface.isJunctionPointel(p);
+    }
+    const auto name = [&](Label label) {
+        return label == Label{0} ? std::string("background") : grid.labels[label];
+    };
+    for (const Interface& patch : surface.interfaces)
+        report.interfaces.push_back(
+            {name(patch.labels.inner), name(patch.labels.outer), patch.end - patch.begin});
+    return report;
+}
+
+void measureDisplacement(const DigitalSurface& surface, const PointelVectors& positions,
+                         SolveReport& report) {
+    double squares = 0;
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const PointelId p{static_cast<std::uint32_t>(i)};
+        const Vec3d d = positions[p] - surface.pointels[p].cast<double>();
+        squares += d.squaredNorm();
+        report.displacementMax = std::max(report.displacementMax, d.cwiseAbs().maxCoeff());
+    }
+    report.displacementRms = std::sqrt(squares / static_cast<double>(positions.size()));
+}
+
+/// Normals, energy, minimizer and untangling: the positions of the pointels.
+Result<PointelVectors> regularize(const VoxelGrid& grid, const DigitalSurface& surface,
+                                  const MethodOptions& options, const RunContext& run,
+                                  ConversionReport& report) {
+    run.report(Stage::normals, 0);
+    auto normals = estimateNormals(grid, surface, options.normals, run);
+    if (!normals) return fail(normals.error());
+
+    run.report(Stage::solve, 0);
+    const Energy energy(surface, *std::move(normals),
+                        EnergyWeights::uniform(surface, options.energy), options.energy,
+                        run.threads);
+    auto solution = minimize(energy, options.solve, run);
+    if (!solution) return fail(solution.error());
+    SolveReport& solve = report.solve;
+    solve.solver = solution->solver;
+    solve.iterations = solution->iterations;
+    solve.residual = solution->residual;
+    solve.before = energy.value(energy.restPositions());
+    if (!solution->converged)
+        report.warnings.push_back("the solver stopped at max_iterations, above its tolerance");
+
+    PointelVectors& positions = solution->positions;
+    solve.invertedBefore = options.solve.untangle
+                               ? untangle(surface, positions, run)
+                               : invertedFaces(surface, positions).size();
+    if (run.stopped()) return fail(run.stopError());
+    solve.invertedAfter = invertedFaces(surface, positions).size();
+    solve.after = energy.value(positions);
+    measureDisplacement(surface, positions, solve);
+    return std::move(positions);
+}
+
+Result<std::vector<std::byte>> writeMesh(const Mesh& mesh, const OutputOptions& options,
+                                         const ConversionReport& report, const RunContext& run) {
+    run.report(Stage::write, 0);
+    switch (options.format) {
+        case OutputFormat::glb:
+            return writeGlb(mesh, options, toJson(report), run);
+        case OutputFormat::obj:
+            return writeObj(mesh, options, run);
+    }
+    return fail(ErrorCode::internal, "unknown output format");
+}
+
+std::string colorText(const Rgba8& color) {
+    std::array<char, 10> text{};
+    std::snprintf(text.data(), text.size(), "#%02x%02x%02x%02x", color[0], color[1], color[2],
+                  color[3]);
+    return text.data();
+}
+
+std::string className(MaterialClass kind) {
+    switch (kind) {
+        case MaterialClass::opaque: return "opaque";
+        case MaterialClass::metal: return "metal";
+        case MaterialClass::glass: return "glass";
+        case MaterialClass::emissive: return "emissive";
+        case MaterialClass::cloud: return "cloud";
+    }
+    return {};
+}
+
+}  // namespace
+
+Result<Artifact> convert(std::span<const std::byte> input, const ConversionOptions& options,
+                         const nlohmann::ordered_json& optionsEcho, const RunContext& run) {
+    auto read = readGrid(input, options.input, run);
+    if (!read) return fail(read.error());
+    const VoxelGrid& grid = read->grid;
+    Artifact artifact;
+    ConversionReport& report = artifact.report;
+    report.input = read->report;
+    report.options = optionsEcho;
+    report.warnings = read->warnings;
+
+    run.report(Stage::surface, 0);
+    if (const auto size = checkSize(grid, run); !size) return fail(size.error());
+    const auto surface = extractSurface(grid, run);
+    if (!surface) return fail(surface.error());
+    report.surface = describe(*surface, grid);
+
+    const auto positions = regularize(grid, *surface, options.method, run, report);
+    if (!positions) return fail(positions.error());
+
+    run.report(Stage::mesh, 0);
+    const auto mesh = buildMesh(grid, *surface, *positions, options.output, run);
+    if (!mesh) return fail(mesh.error());
+    const bool glb = options.output.format == OutputFormat::glb;
+    artifact.mediaType = glb ? "model/gltf-binary" : "model/obj";
+    artifact.extension = glb ? "glb" : "obj";
+    report.output = {.mediaType = artifact.mediaType,
+                     .vertices = vertexCount(*mesh),
+                     .triangles = triangleCount(*mesh),
+                     .parts = mesh->parts.size(),
+                     .closed = closedLabels(grid, *surface)};
+
+    auto bytes = writeMesh(*mesh, options.output, report, run);
+    if (!bytes) return fail(bytes.error());
+    artifact.bytes = *std::move(bytes);
+    report.output.bytes = artifact.bytes.size();
+    run.report(Stage::write, 1);
+    return artifact;
+}
+
+Result<Inspection> inspect(std::span<const std::byte> input, const InputOptions& options,
+                           const RunContext& run) {
+    auto read = readGrid(input, options, run);
+    if (!read) return fail(read.error());
+    const VoxelGrid& grid = read->grid;
+    run.report(Stage::surface, 0);
+    const auto size = checkSize(grid, run);
+    if (!size) return fail(size.error());
+
+    Inspection inspection;
+    inspection.input = read->report;
+    inspection.surfels = size->surfels;
+    inspection.pointels = size->pointels;
+    inspection.predictedMemory = predictMemory(grid, *size);
+    inspection.warnings = read->warnings;
+    for (std::size_t m = 1; m < grid.materials.size(); ++m) {
+        const Material& material = grid.materials.raw()[m];
+        inspection.palette.push_back({material.source, colorText(material.color),
+                                      grid.labels[material.label], className(material.kind),
+                                      material.name});
+    }
+    return inspection;
+}
+
+}  // namespace rivage::core
