@@ -18,6 +18,8 @@ struct Box {
     }
     /// True where a component lies on a side of the box, so that it is not free.
     [[nodiscard]] bool active(double d) const { return std::abs(d) >= limit; }
+    /// True where all components are free.
+    [[nodiscard]] bool inside(const Vec3d& d) const { return d.cwiseAbs().maxCoeff() < limit; }
     /// The gradient of the free components, 0 elsewhere.
     [[nodiscard]] Vec3d freeGradient(const Vec3d& d, const Vec3d& g) const {
         return masked(g, [&](int k) { return !active(d[k]); });
@@ -26,13 +28,12 @@ struct Box {
     [[nodiscard]] Vec3d choppedGradient(const Vec3d& d, const Vec3d& g) const {
         return masked(g, [&](int k) { return active(d[k]) && (d[k] > 0) == (g[k] > 0); });
     }
-    /// The largest t >= 0 for which d - t * direction stays in the box.
-    [[nodiscard]] double feasibleStep(const Vec3d& d, const Vec3d& direction) const {
-        double step = std::numeric_limits<double>::infinity();
-        for (int k = 0; k < 3; ++k) {
-            if (direction[k] > 0) step = std::min(step, (d[k] + limit) / direction[k]);
-            if (direction[k] < 0) step = std::min(step, (d[k] - limit) / direction[k]);
-        }
+    /// `wanted`, or the largest t >= 0 for which d - t * direction stays in the box if that is less.
+    [[nodiscard]] double feasibleStep(const Vec3d& d, const Vec3d& direction, double wanted) const {
+        double step = wanted;
+        for (int k = 0; k < 3; ++k)
+            if (std::abs(d[k] - wanted * direction[k]) > limit)
+                step = std::min(step, (d[k] + (direction[k] > 0 ? limit : -limit)) / direction[k]);
         return step;
     }
 

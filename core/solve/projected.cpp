@@ -22,17 +22,18 @@ public:
             g_[i] = -system_.rightSide()[i];
         });
         restart();
+        measure();
     }
 
     [[nodiscard]] const PointelVectors& displacement() const { return d_; }
     /// Norm of the projected gradient: 0 exactly where the KKT conditions hold.
-    [[nodiscard]] double residual() const {
-        return std::sqrt(system_.sum(0.0, [&](PointelId i) {
-            return (freeGradient(i) + choppedGradient(i)).squaredNorm();
-        }));
-    }
+    [[nodiscard]] double residual() const { return residual_; }
     /// One step; counts its operator applications.
-    int step() { return isProportional() ? conjugateStep() : proportioningStep(); }
+    int step() {
+        const int applications = proportional_ ? conjugateStep() : proportioningStep();
+        measure();
+        return applications;
+    }
 
 private:
     static constexpr double kStep = 1.9;  // of at most 2 / |M^-1 H| = 2, METHOD.md 2.2
@@ -45,55 +46,54 @@ private:
     }
 
     // The free gradient, cut to what a projected step of length kStep / m can really move.
-    [[nodiscard]] Vec3d reducedGradient(PointelId i) const {
-        const Vec3d free = freeGradient(i);
+    [[nodiscard]] Vec3d reducedGradient(PointelId i, const Vec3d& free) const {
         const double scale = kStep / majorizer_[i];
         return (d_[i] - box_.project(d_[i] - scale * free)) / scale;
     }
 
-    // Whether the free components still have more to give than the chopped ones, in the metric of
-    // the majorizer.
-    [[nodiscard]] bool isProportional() const {
-        const Eigen::Array2d sums =
-            system_.sum(Eigen::Array2d(Eigen::Array2d::Zero()), [&](PointelId i) {
-                return Eigen::Array2d(
-                    Eigen::Array2d(choppedGradient(i).squaredNorm(),
-                                   reducedGradient(i).dot(freeGradient(i))) /
-                    majorizer_[i]);
+    // The residual, and whether the free components still have more to give than the chopped ones,
+    // in the metric of the majorizer.
+    void measure() {
+        const Eigen::Array3d sums =
+            system_.sum(Eigen::Array3d(Eigen::Array3d::Zero()), [&](PointelId i) {
+                const Vec3d free = freeGradient(i);
+                const double chopped = choppedGradient(i).squaredNorm();
+                return Eigen::Array3d(free.squaredNorm() + chopped, chopped / majorizer_[i],
+                                      reducedGradient(i, free).dot(free) / majorizer_[i]);
             });
-        return sums[0] <= sums[1];
+        residual_ = std::sqrt(sums[0]);
+        proportional_ = sums[1] <= sums[2];
     }
 
     // The inverse of the free part of the diagonal block, 0 elsewhere.
     [[nodiscard]] Vec3d precondition(PointelId i) const {
-        const Vec3d free = freeGradient(i);
-        bool anyActive = false;
+        if (box_.inside(d_[i])) return inverses_[i] * g_[i];
         Mat3d block = blocks_[i];
         for (int k = 0; k < 3; ++k) {
             if (!box_.active(d_[i][k])) continue;
-            anyActive = true;
             block.row(k).setZero();
             block.col(k).setZero();
             block(k, k) = 1;
         }
-        return anyActive ? Vec3d(block.inverse() * free) : Vec3d(inverses_[i] * free);
+        return block.inverse() * freeGradient(i);
     }
 
     void restart() {
         system_.forEach([&](PointelId i) { direction_[i] = precondition(i); });
     }
 
-    [[nodiscard]] double feasibleStep() const {
+    // `wanted`, or the largest step that stays in the box if that is less.
+    [[nodiscard]] double feasibleStep(double wanted) const {
         struct Smallest {
-            double value = std::numeric_limits<double>::infinity();
+            double value;
             Smallest operator+(const Smallest& other) const {
                 return {std::min(value, other.value)};
             }
         };
         return system_
-            .sum(Smallest{},
+            .sum(Smallest{wanted},
                  [&](PointelId i) {
-                     return Smallest{box_.feasibleStep(d_[i], direction_[i])};
+                     return Smallest{box_.feasibleStep(d_[i], direction_[i], wanted)};
                  })
             .value;
     }
@@ -110,8 +110,8 @@ private:
         system_.apply(direction_, product_);
         const double curvature = system_.dot(direction_, product_);
         const double best = system_.dot(direction_, g_) / curvature;
-        const double feasible = feasibleStep();
-        if (best > feasible) return 1 + expand(feasible);
+        const double feasible = feasibleStep(best);
+        if (best > feasible) return 1 + expand(best, feasible);
         move(best);
         PointelVectors& z = work_;
         z.resize(system_.size());
@@ -121,16 +121,40 @@ private:
         return 1;
     }
 
-    // To the side of the box, then a projected gradient step that may add many active components.
-    int expand(double feasible) {
+    // The step of the conjugate gradients, projected: it may reach many sides at once. Where that
+    // does not lower the energy, the step that always does: to the first side, then a projected
+    // gradient step.
+    int expand(double best, double feasible) {
+        const PointelVectors start = d_;
+        const PointelVectors startGradient = g_;
+        const double before = energy();
+        system_.forEach([&](PointelId i) { d_[i] = box_.project(d_[i] - best * direction_[i]); });
+        computeGradient();
+        if (energy() < before) {
+            restart();
+            return 1;
+        }
+        d_ = start;
+        g_ = startGradient;
         move(feasible);
         system_.forEach([&](PointelId i) {
             d_[i] = box_.project(d_[i] - kStep / majorizer_[i] * freeGradient(i));
         });
+        computeGradient();
+        restart();
+        return 2;
+    }
+
+    void computeGradient() {
         system_.apply(d_, g_);
         system_.forEach([&](PointelId i) { g_[i] -= system_.rightSide()[i]; });
-        restart();
-        return 1;
+    }
+
+    // Half the energy less that of the rest positions.
+    [[nodiscard]] double energy() const {
+        return system_.sum(0.0, [&](PointelId i) {
+            return 0.5 * d_[i].dot(g_[i] - system_.rightSide()[i]);
+        });
     }
 
     // Releases active components along the chopped gradient.
@@ -139,7 +163,7 @@ private:
             [&](PointelId i) { direction_[i] = choppedGradient(i) / majorizer_[i]; });
         system_.apply(direction_, product_);
         const double best = system_.dot(direction_, g_) / system_.dot(direction_, product_);
-        move(std::min(best, feasibleStep()));
+        move(feasibleStep(best));
         restart();
         return 1;
     }
@@ -154,6 +178,8 @@ private:
     PointelVectors direction_;
     PointelVectors product_;  // H direction
     PointelVectors work_;
+    double residual_ = 0;
+    bool proportional_ = true;
 };
 
 }  // namespace
