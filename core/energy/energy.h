@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/base/options.h"
@@ -66,10 +68,15 @@ public:
     /// @source METHOD.md 2.2 (majoriser); the proof holds for any G_i <= gamma_i I
     [[nodiscard]] IdVector<PointelId, double> majorizer() const;
 
-    /// Coefficients for an assembled matrix: calls `add(i, j, block)` for every 3x3 block that H
-    /// sums up; blocks of one (i, j) come in several parts.
-    template <typename Add>
-    void assemble(Add&& add) const;
+    /// A pointel and its coefficient in one square of the energy.
+    struct Coefficient {
+        PointelId pointel;
+        double value;
+    };
+    /// Half the Hessian as a sum of squares, x^T H x = sum_t |sum_i c_ti x_i|^2_(Q_t): calls
+    /// `visit(std::span<const Coefficient>, const Mat3d& Q)` once per square, at most 7 pointels.
+    template <typename Visit>
+    void forEachSquare(Visit&& visit) const;
 
 private:
     [[nodiscard]] bool isFairnessNeighbour(PointelId of, int slot) const {
@@ -95,35 +102,31 @@ private:
     std::vector<std::uint32_t> incident_;
 };
 
-template <typename Add>
-void Energy::assemble(Add&& add) const {
+template <typename Visit>
+void Energy::forEachSquare(Visit&& visit) const {
+    std::array<Coefficient, kSlots + 1> row;
+    const auto give = [&](std::size_t entries, const Mat3d& block) {
+        visit(std::span<const Coefficient>(row.data(), entries), block);
+    };
     for (std::size_t f = 0; f < surface_.surfelCount(); ++f) {
         const SurfelId s{static_cast<std::uint32_t>(f)};
         const Mat3d block = weights_.beta[s] * normals_[s] * normals_[s].transpose();
         for (int k = 0; k < 4; ++k) {
-            const PointelId a = surface_.corners[s][k];
-            const PointelId b = surface_.corners[s][(k + 1) % 4];
-            add(a, a, block);
-            add(b, b, block);
-            add(a, b, Mat3d(-block));
-            add(b, a, Mat3d(-block));
+            row[0] = {surface_.corners[s][k], 1};
+            row[1] = {surface_.corners[s][(k + 1) % 4], -1};
+            give(2, block);
         }
     }
     for (std::size_t n = 0; n < size(); ++n) {
         const PointelId i{static_cast<std::uint32_t>(n)};
-        add(i, i, Mat3d(weights_.alpha[i] * Mat3d::Identity()));
+        row[0] = {i, 1};
+        give(1, weights_.alpha[i] * Mat3d::Identity());
         if (inverseDegree_[i] == 0) continue;
-        // Row i of B: 1 at i and -1/d at its fairness neighbours.
-        std::array<std::pair<PointelId, double>, kSlots + 1> row;
-        int entries = 0;
-        row[entries++] = {i, 1.0};
+        std::size_t entries = 1;
         for (int slot = 0; slot < kSlots; ++slot)
             if (isFairnessNeighbour(i, slot))
                 row[entries++] = {surface_.neighbours[i][slot], -inverseDegree_[i]};
-        const Mat3d block = fairnessBlock(i);
-        for (int a = 0; a < entries; ++a)
-            for (int b = 0; b < entries; ++b)
-                add(row[a].first, row[b].first, Mat3d(row[a].second * row[b].second * block));
+        give(entries, fairnessBlock(i));
     }
 }
 

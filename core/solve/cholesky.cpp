@@ -10,11 +10,17 @@ using Sparse = Eigen::SparseMatrix<double>;
 
 Sparse assembleMatrix(const Energy& energy) {
     std::vector<Eigen::Triplet<double>> entries;
-    energy.assemble([&](PointelId i, PointelId j, const Mat3d& block) {
+    const auto add = [&](const Energy::Coefficient& i, const Energy::Coefficient& j,
+                         const Mat3d& block) {
         for (int r = 0; r < 3; ++r)
             for (int c = 0; c < 3; ++c)
-                entries.emplace_back(static_cast<int>(3 * index(i) + r),
-                                     static_cast<int>(3 * index(j) + c), block(r, c));
+                entries.emplace_back(static_cast<int>(3 * index(i.pointel) + r),
+                                     static_cast<int>(3 * index(j.pointel) + c),
+                                     i.value * j.value * block(r, c));
+    };
+    energy.forEachSquare([&](std::span<const Energy::Coefficient> row, const Mat3d& block) {
+        for (const auto& i : row)
+            for (const auto& j : row) add(i, j, block);
     });
     const auto size = static_cast<Eigen::Index>(3 * energy.size());
     Sparse matrix(size, size);

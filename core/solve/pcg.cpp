@@ -2,6 +2,8 @@
 
 #include <Eigen/LU>
 
+#include "core/solve/coarse_levels.h"
+
 namespace rivage::core {
 
 Solution solvePcg(DisplacementSystem& system, const SolveOptions& options, const RunContext& run) {
@@ -10,8 +12,10 @@ Solution solvePcg(DisplacementSystem& system, const SolveOptions& options, const
 
     PointelVectors d(system.size(), Vec3d::Zero());
     PointelVectors r = system.rightSide();
+    CoarseLevels coarse(system.energy());
     PointelVectors z(system.size());
     system.forEach([&](PointelId i) { z[i] = inverse[i] * r[i]; });
+    coarse.add(r, z);
     PointelVectors p = z;
     PointelVectors q(system.size());
 
@@ -27,6 +31,7 @@ Solution solvePcg(DisplacementSystem& system, const SolveOptions& options, const
             r[i] -= step * q[i];
             z[i] = inverse[i] * r[i];
         });
+        coarse.add(r, z);
         const double rzNext = system.dot(r, z);
         const double keep = rzNext / rz;
         rz = rzNext;

@@ -5,7 +5,7 @@
 namespace rivage::core {
 
 /// The exact minimizer without a displacement limit: conjugate gradients, preconditioned with the
-/// inverse 3x3 diagonal blocks.
+/// inverse 3x3 diagonal blocks and coarse levels.
 /// @source METHOD.md 2.5, SOLVER.md
 Solution solvePcg(DisplacementSystem& system, const SolveOptions& options, const RunContext& run);
 

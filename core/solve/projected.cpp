@@ -5,6 +5,9 @@
 namespace rivage::core {
 namespace {
 
+// Enough to find most of the active set; more only repeat what conjugate gradients do faster.
+constexpr int kApproachSteps = 100;
+
 class Mprgp {
 public:
     Mprgp(DisplacementSystem& system, const Box& box)
@@ -16,13 +19,48 @@ public:
           d_(system.size(), Vec3d::Zero()),
           g_(system.size()),
           direction_(system.size()),
-          product_(system.size()) {
+          product_(system.size()),
+          work_(system.size()) {
         system_.forEach([&](PointelId i) {
             inverses_[i] = blocks_[i].inverse();
             g_[i] = -system_.rightSide()[i];
         });
+        measure();
+    }
+
+    /// Accelerated projected gradient steps, restarted where they overshoot: they find most of the
+    /// active set in far fewer steps than conjugate gradients, which stop at every side.
+    /// @source Nesterov; [OC15] for the restart
+    /// @return operator applications
+    int approach(int steps, Convergence& convergence) {
+        PointelVectors& ahead = direction_;
+        ahead = d_;
+        double momentum = 1;
+        int done = 0;
+        while (done < steps && convergence.goOn(residual_, done)) {
+            ++done;
+            const PointelVectors& last = d_;
+            system_.apply(ahead, product_);
+            system_.forEach([&](PointelId i) {
+                work_[i] = box_.project(
+                    ahead[i] - (product_[i] - system_.rightSide()[i]) / majorizer_[i]);
+            });
+            const double overshoot = system_.sum(0.0, [&](PointelId i) {
+                return majorizer_[i] * (ahead[i] - work_[i]).dot(work_[i] - last[i]);
+            });
+            const double next =
+                overshoot > 0 ? 1 : (1 + std::sqrt(1 + 4 * momentum * momentum)) / 2;
+            const double carry = overshoot > 0 ? 0 : (momentum - 1) / next;
+            momentum = next;
+            system_.forEach([&](PointelId i) {
+                ahead[i] = work_[i] + carry * (work_[i] - d_[i]);
+                d_[i] = work_[i];
+            });
+        }
+        computeGradient();
         restart();
         measure();
+        return done;
     }
 
     [[nodiscard]] const PointelVectors& displacement() const { return d_; }
@@ -114,7 +152,6 @@ private:
         if (best > feasible) return 1 + expand(best, feasible);
         move(best);
         PointelVectors& z = work_;
-        z.resize(system_.size());
         system_.forEach([&](PointelId i) { z[i] = precondition(i); });
         const double keep = system_.dot(z, product_) / curvature;
         system_.forEach([&](PointelId i) { direction_[i] = z[i] - keep * direction_[i]; });
@@ -188,7 +225,7 @@ Solution solveProjected(DisplacementSystem& system, const Box& box, const SolveO
                         const RunContext& run) {
     Mprgp mprgp(system, box);
     Convergence convergence(mprgp.residual(), options, run);
-    int iterations = 0;
+    int iterations = mprgp.approach(kApproachSteps, convergence);
     while (convergence.goOn(mprgp.residual(), iterations)) iterations += mprgp.step();
     return {system.positions(mprgp.displacement()), "projected", iterations,
             convergence.relative(), convergence.reached()};

@@ -57,8 +57,11 @@ std::vector<EnergyOptions> allForms() {
 Eigen::MatrixXd denseMatrix(const Energy& energy) {
     const auto size = static_cast<Eigen::Index>(3 * energy.size());
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(size, size);
-    energy.assemble([&](PointelId i, PointelId j, const Mat3d& block) {
-        matrix.block<3, 3>(3 * index(i), 3 * index(j)) += block;
+    energy.forEachSquare([&](std::span<const Energy::Coefficient> row, const Mat3d& block) {
+        for (const auto& i : row)
+            for (const auto& j : row)
+                matrix.block<3, 3>(3 * index(i.pointel), 3 * index(j.pointel)) +=
+                    i.value * j.value * block;
     });
     return matrix;
 }

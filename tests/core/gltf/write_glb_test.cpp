@@ -58,7 +58,8 @@ constexpr OutputOptions kPlain{.compression = Compression::none};
 
 }  // namespace
 
-TEST_SUITE("core/gltf") {
+TEST_SUITE_BEGIN("core/gltf");
+
 TEST_CASE("writeGlb: names, generator, report and part labels are in the file") {
     const ReadGlb glb = written(build(islandGrid(), {.parts = Parts::interfaces}).mesh);
     CHECK(glb.json.at("asset").at("version") == "2.0");
@@ -83,8 +84,7 @@ TEST_CASE("writeGlb: plain buffers hold the mesh, turned and scaled") {
         REQUIRE(read.positions.size() == source.positions.size());
         for (std::size_t v = 0; v < read.positions.size(); ++v) {
             // Bottom centre of 16 x 16 voxels of 0.1 m; y up.
-            const Vec3d expected = 0.1 * Vec3d(source.positions[v].x() - 8,
-                                               source.positions[v].z(),
+            const Vec3d expected = 0.1 * Vec3d(source.positions[v].x() - 8, source.positions[v].z(),
                                                8 - source.positions[v].y());
             for (int i = 0; i < 3; ++i) CHECK(std::abs(read.positions[v][i] - expected[i]) < 1e-6);
             CHECK(read.normals[v][1] == source.normals[v].z());
@@ -98,8 +98,8 @@ TEST_CASE("writeGlb: plain buffers hold the mesh, turned and scaled") {
 TEST_CASE("differential: Draco decodes to the same triangles and colours as plain buffers") {
     for (const int speed : {0, 5, 10}) {
         CAPTURE(speed);
-        const Built built = build(colored(randomGrid(9, {7, 8, 6}, 3)),
-                                  {.parts = Parts::interfaces}, 0.4);
+        const Built built =
+            build(colored(randomGrid(9, {7, 8, 6}, 3)), {.parts = Parts::interfaces}, 0.4);
         const OutputOptions options{.dracoSpeed = speed};
         const ReadGlb packed = written(built.mesh, options);
         const ReadGlb plain = written(built.mesh, kPlain);
@@ -128,9 +128,10 @@ TEST_CASE("writeGlb: places that parts share are bit-equal after decoding") {
 TEST_CASE("writeGlb: bounds in the file are those of the decoded positions") {
     const ReadGlb glb = written(build(islandGrid(), {}, 0.4).mesh);
     for (std::size_t part = 0; part < 2; ++part) {
-        const auto& accessor = glb.json["accessors"][glb.json["meshes"][part]["primitives"][0]
-                                                         ["attributes"]["POSITION"]
-                                                             .get<std::size_t>()];
+        const auto& accessor =
+            glb.json["accessors"]
+                    [glb.json["meshes"][part]["primitives"][0]["attributes"]["POSITION"]
+                         .get<std::size_t>()];
         const ReadPrimitive read = glb.primitive(part, 0);
         for (std::size_t i = 0; i < 3; ++i) {
             float low = std::numeric_limits<float>::infinity();
@@ -189,10 +190,32 @@ TEST_CASE("quantizationOf: automatic bits give steps of 1/128 voxel within 11 to
     CHECK(std::abs(gridOf(100, 8).step() - 100 / 255.0) < 1e-5);
 }
 
+TEST_CASE("quantizationOf: the grid covers every position, for every pivot and axis") {
+    const Mesh mesh = build(islandGrid(), {}, 3).mesh;
+    for (const std::optional<int> bits : {std::optional<int>(), std::optional<int>(9)})
+        for (const Pivot pivot : {Pivot::bottom, Pivot::corner, Pivot::world})
+            for (const UpAxis up : {UpAxis::y, UpAxis::z}) {
+                const OutputOptions options{.dracoPositionBits = bits, .pivot = pivot, .up = up};
+                const Placement placement = placementOf(mesh, options);
+                const Quantization grid = quantizationOf(mesh, placement, options);
+                const Vec3f origin(grid.origin[0], grid.origin[1], grid.origin[2]);
+                for (const MeshPart& part : mesh.parts)
+                    for (const Vec3d& position : part.primitives[0].positions) {
+                        const Vec3f offset = placement.position(position) - origin;
+                        CHECK(offset.minCoeff() >= -1e-6F);
+                        CHECK(offset.maxCoeff() <= grid.range + 1e-6F);
+                    }
+            }
+}
+
 TEST_CASE("writeGlb: automatic bits keep flat walls flat and lattice places exact") {
-    const ReadGlb glb = written(build(ballGrid(9, 4)).mesh, {.voxelSize = 1, .pivot = Pivot::corner});
+    const Mesh mesh = build(ballGrid(9, 4)).mesh;
+    const ReadGlb glb = written(mesh, {.voxelSize = 1, .pivot = Pivot::corner});
+    std::set<float> coordinates;
     for (const auto& position : glb.primitive(0, 0).positions)
-        for (const float x : position) CHECK(x == std::round(x));
+        coordinates.insert(position.begin(), position.end());
+    CHECK(coordinates.size() == 20);  // 10 planes along each axis; y up makes one axis negative
+    for (const float x : coordinates) CHECK(std::abs(x - std::round(x)) < 2e-6F);
 }
 
 TEST_CASE("writeGlb: positions are off by at most half a step, whatever the bits") {
@@ -207,8 +230,10 @@ TEST_CASE("writeGlb: positions are off by at most half a step, whatever the bits
         for (const auto& p : read.positions) {
             double nearest = std::numeric_limits<double>::infinity();
             for (const Vec3d& source : built.mesh.parts[0].primitives[0].positions)
-                nearest = std::min(nearest, static_cast<double>(
-                    (placement.position(source) - Vec3f(p[0], p[1], p[2])).cwiseAbs().maxCoeff()));
+                nearest = std::min(nearest, static_cast<double>((placement.position(source) -
+                                                                 Vec3f(p[0], p[1], p[2]))
+                                                                    .cwiseAbs()
+                                                                    .maxCoeff()));
             worst = std::max(worst, nearest);
         }
         CHECK(worst <= 0.5 * grid.step() + 2e-6);
@@ -250,8 +275,7 @@ TEST_CASE("writeGlb: metal, glass, light and cloud become what glTF has for them
 }
 
 TEST_CASE("writeGlb: more than 65535 vertices take 32-bit indices") {
-    const Mesh mesh =
-        build(makeGrid({190, 190, 1}, 1, [](const Vec3i&) { return 1; })).mesh;
+    const Mesh mesh = build(makeGrid({190, 190, 1}, 1, [](const Vec3i&) { return 1; })).mesh;
     CHECK(vertexCount(mesh) > 65535);
     for (const Compression compression : {Compression::draco, Compression::none}) {
         const ReadGlb glb = written(mesh, {.compression = compression});
@@ -302,16 +326,15 @@ TEST_CASE("reject: no face, no number, no room, no time") {
         CHECK(large.error().code == ErrorCode::outputTooLarge);
         CHECK(large.error().limit == size - 1);
 
-        const auto stopped =
-            writeGlb(mesh, options, {}, {.stopRequested = [] { return true; }});
+        const auto stopped = writeGlb(mesh, options, {}, {.stopRequested = [] { return true; }});
         REQUIRE_FALSE(stopped);
         CHECK(stopped.error().code == ErrorCode::cancelled);
     }
 }
 
 TEST_CASE("determinism: the same bytes for threads 1, 2, 7") {
-    const Built built = build(colored(randomGrid(4, {16, 16, 16}, 4)),
-                              {.parts = Parts::interfaces}, 0.4);
+    const Built built =
+        build(colored(randomGrid(4, {16, 16, 16}, 4)), {.parts = Parts::interfaces}, 0.4);
     const auto bytes = [&](int threads) {
         return *writeGlb(built.mesh, {}, {}, {.threads = threads});
     };
@@ -319,4 +342,5 @@ TEST_CASE("determinism: the same bytes for threads 1, 2, 7") {
     CHECK((bytes(2) == one));
     CHECK((bytes(7) == one));
 }
-}
+
+TEST_SUITE_END();

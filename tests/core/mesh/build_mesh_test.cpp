@@ -15,9 +15,7 @@ namespace {
 
 using Place = std::array<double, 3>;
 
-Place placeOf(const Vec3d& position) {
-    return {position.x(), position.y(), position.z()};
-}
+Place placeOf(const Vec3d& position) { return {position.x(), position.y(), position.z()}; }
 
 std::set<Place> placesOf(const MeshPart& part) {
     std::set<Place> places;
@@ -52,7 +50,8 @@ void checkEqual(const Mesh& a, const Mesh& b) {
 
 }  // namespace
 
-TEST_SUITE("core/mesh") {
+TEST_SUITE_BEGIN("core/mesh");
+
 TEST_CASE("buildMesh: an empty grid has no part") {
     const Built built = build(makeGrid({2, 2, 2}, 1, [](const Vec3i&) { return 0; }));
     CHECK(built.mesh.parts.empty());
@@ -83,8 +82,7 @@ TEST_CASE("buildMesh: one voxel is a cube around its place in the scene") {
 }
 
 TEST_CASE("buildMesh: crease shading gives a cube three normals a corner, flat shading none") {
-    const Mesh creased =
-        build(voxels({1, 1, 1}, {{0, 0, 0}}), {.shading = Shading::crease}).mesh;
+    const Mesh creased = build(voxels({1, 1, 1}, {{0, 0, 0}}), {.shading = Shading::crease}).mesh;
     const MeshPrimitive& cube = creased.parts[0].primitives[0];
     CHECK(cube.positions.size() == 24);
     CHECK(std::set<std::uint32_t>(cube.points.begin(), cube.points.end()).size() == 8);
@@ -220,8 +218,9 @@ TEST_CASE("differential: points are the edge-connected fans of a part") {
         const VoxelGrid grid = randomGrid(seed, {4, 4, 3}, 1 + static_cast<int>(seed % 3));
         const DigitalSurface surface = *extractSurface(grid, {});
         const auto ranks = ranksInInterface(surface);
+        const SurfelLinks links = *linkSurfels(surface, {});
         for (std::uint32_t i = 0; i < surface.interfaces.size(); ++i) {
-            const Patch patch = buildPatch(grid, surface, InterfaceId{i}, ranks, 1);
+            const Patch patch = buildPatch(surface, InterfaceId{i}, links, ranks, 1);
             const CornerGroups groups = groupFans(patch, {});
             // Slow and obvious: spread group ids over touching corners until nothing changes.
             std::vector<std::size_t> slow(patch.cornerCount());
@@ -311,4 +310,5 @@ TEST_CASE("colors: sRGB levels survive the way to linear and back, black and whi
     for (std::uint16_t label = 1; label <= 100; ++label) distinct.insert(labelColor(Label{label}));
     CHECK(distinct.size() == 100);
 }
-}
+
+TEST_SUITE_END();

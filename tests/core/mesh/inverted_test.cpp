@@ -9,7 +9,8 @@
 
 using namespace rivage::test;
 
-TEST_SUITE("core/mesh") {
+TEST_SUITE_BEGIN("core/mesh");
+
 TEST_CASE("invertedFaces: none on the lattice, whatever the labels") {
     for (std::uint32_t seed = 1; seed <= 5; ++seed) {
         const DigitalSurface surface = *extractSurface(randomGrid(seed, {5, 5, 5}, 3), {});
@@ -119,4 +120,5 @@ TEST_CASE("closedLabels: a face that is not linked to its linels is noticed") {
     surface.surfelAxes[PointelId{0}] = 0;
     CHECK(closedLabels(grid, surface) == std::vector<bool>{false});
 }
-}
+
+TEST_SUITE_END();
