@@ -14,7 +14,8 @@ namespace rivage::core {
 /// A placed model. Voxel v of the model lies at `rotation * v + translation` of the scene, where
 /// for negative rows of `rotation` the cube is meant, not its low corner: see `mergeScene`.
 struct Instance {
-    std::vector<int> frames;            ///< model per animation frame, at least one
+    std::vector<int> frames;            ///< model per animation key, at least one
+    std::vector<int> frameTimes;        ///< frame from which each key holds; empty: 0, 1, 2, ...
     Mat3i rotation = Mat3i::Identity(); ///< signed permutation; mirrors are allowed
     Vec3i translation = Vec3i::Zero();  ///< scene position of the rotated pivot floor(size / 2)
     bool centered = true;  ///< false: `translation` places the low corner of the rotated model
