@@ -18,8 +18,9 @@ struct NpyFile {
     std::vector<std::int64_t> values;  ///< in the order of memory
 
     [[nodiscard]] std::vector<std::byte> bytes() const {
-        std::string header = "{'descr': '" + descr + "', 'fortran_order': " +
-                             (fortranOrder ? "True" : "False") + ", 'shape': " + shape + ", }";
+        std::string header = "{'descr': '" + descr +
+                             "', 'fortran_order': " + (fortranOrder ? "True" : "False") +
+                             ", 'shape': " + shape + ", }";
         const std::size_t lengthBytes = version == 1 ? 2 : 4;
         while ((8 + lengthBytes + header.size() + 1) % 64 != 0) header += ' ';
         header += '\n';

@@ -49,8 +49,8 @@ public:
     }
     VoxBuilder& group(std::uint32_t id, const std::vector<std::uint32_t>& children,
                       const Dict& attributes = {}) {
-        std::string content = number(id) + dict(attributes) +
-                              number(static_cast<std::uint32_t>(children.size()));
+        std::string content =
+            number(id) + dict(attributes) + number(static_cast<std::uint32_t>(children.size()));
         for (const std::uint32_t child : children) content += number(child);
         return chunk("nGRP", content);
     }

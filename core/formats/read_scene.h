@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "core/base/options.h"
+#include "core/base/result.h"
+#include "core/base/run_context.h"
+#include "core/grid/scene.h"
+
+namespace rivage::core {
+
+/// Reads a scene in the format that `options.format` names, or, with `automatic`, in the one that
+/// the first bytes name: MagicaVoxel (.vox) or NumPy (.npy). Raw volumes have no magic and are
+/// read only when asked for.
+/// @errors tooLarge above `maxInputBytes`; malformedInput if there are no bytes;
+///         unsupportedFormat if the first bytes name another format, or none; those of `readVox`,
+///         `readNpy` and `readRaw`
+Result<Scene> readScene(std::span<const std::byte> bytes, const InputOptions& options,
+                        const RunContext& run);
+
+}  // namespace rivage::core
