@@ -1,0 +1,95 @@
+#include "core/mesh/patch.h"
+
+#include <cassert>
+#include <utility>
+
+#include "core/base/parallel.h"
+
+namespace rivage::core {
+namespace {
+
+// The edge of face `s` between two pointels, in either direction.
+std::uint32_t edgeBetween(const DigitalSurface& surface, SurfelId s, PointelId a, PointelId b) {
+    const auto& corners = surface.corners[s];
+    for (std::uint32_t k = 0; k < 4; ++k) {
+        const PointelId from = corners[k];
+        const PointelId to = corners[(k + 1) & 3U];
+        if ((from == a && to == b) || (from == b && to == a)) return k;
+    }
+    assert(false && "linked surfels share a linel");
+    return kNoEdge;
+}
+
+class UnionFind {
+public:
+    explicit UnionFind(std::size_t size) : parent_(size) {
+        for (std::size_t i = 0; i < size; ++i) parent_[i] = static_cast<std::uint32_t>(i);
+    }
+    std::uint32_t find(std::uint32_t i) {
+        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+    // The smaller root wins, so the root of a set is its first element.
+    void join(std::uint32_t a, std::uint32_t b) {
+        a = find(a);
+        b = find(b);
+        if (a > b) std::swap(a, b);
+        parent_[b] = a;
+    }
+
+private:
+    std::vector<std::uint32_t> parent_;
+};
+
+}  // namespace
+
+IdVector<SurfelId, std::uint32_t> ranksInInterface(const DigitalSurface& surface) {
+    IdVector<SurfelId, std::uint32_t> ranks(surface.surfelCount());
+    for (const Interface& sheet : surface.interfaces)
+        for (std::uint32_t i = sheet.begin; i < sheet.end; ++i)
+            ranks[surface.byInterface[i]] = i - sheet.begin;
+    return ranks;
+}
+
+Patch buildPatch(const DigitalSurface& surface, InterfaceId which, const SurfelLinks& links,
+                 const IdVector<SurfelId, std::uint32_t>& ranks, int threads) {
+    const Interface& sheet = surface.interfaces[which];
+    Patch patch;
+    patch.surfels = std::span(surface.byInterface).subspan(sheet.begin, sheet.end - sheet.begin);
+    patch.across.assign(patch.cornerCount(), kNoEdge);
+    const auto joinFace = [&](std::size_t face) {
+        const SurfelId s = patch.surfels[face];
+        const auto& corners = surface.corners[s];
+        for (std::size_t k = 0; k < 4; ++k) {
+            const SurfelId t = links[s][k];
+            if (t == kNone<SurfelId>) continue;
+            const std::uint32_t edge = edgeBetween(surface, t, corners[k], corners[(k + 1) & 3U]);
+            patch.across[4 * face + k] = 4 * ranks[t] + edge;
+        }
+    };
+    parallelBlocks(patch.faceCount(), 2048, threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t face = begin; face < end; ++face) joinFace(face);
+    });
+    return patch;
+}
+
+CornerGroups groupFans(const Patch& patch, const std::vector<std::uint8_t>& joined) {
+    UnionFind sets(patch.cornerCount());
+    for (std::uint32_t edge = 0; edge < patch.cornerCount(); ++edge) {
+        const std::uint32_t other = patch.across[edge];
+        // Every pair is seen twice, once from each side.
+        if (other == kNoEdge || other < edge || (!joined.empty() && joined[edge] == 0)) continue;
+        // Faces of one interface wind alike, so they run along a shared linel in opposite ways.
+        sets.join(edge, nextCorner(other));
+        sets.join(nextCorner(edge), other);
+    }
+    CornerGroups groups;
+    groups.of.resize(patch.cornerCount());
+    for (std::uint32_t c = 0; c < patch.cornerCount(); ++c) {
+        const std::uint32_t root = sets.find(c);
+        groups.of[c] = root == c ? groups.count++ : groups.of[root];
+    }
+    return groups;
+}
+
+}  // namespace rivage::core
