@@ -1,0 +1,330 @@
+#include "proto/option_table.h"
+
+#include <type_traits>
+#include <utility>
+
+namespace rivage::proto {
+namespace {
+
+using core::ConversionOptions;
+
+/// An enumeration whose enumerators are numbered as `words` are.
+template <typename Reference>
+Option choice(std::string name, std::string group, std::vector<std::string> words,
+              std::string sentence, Reference reference) {
+    Option option;
+    option.set = [reference](JobOptions& options, const OptionValue& value) {
+        auto& target = reference(options.conversion);
+        target = static_cast<std::decay_t<decltype(target)>>(std::get<Word>(value).index);
+    };
+    option.get = [reference, words](const JobOptions& options) -> Json {
+        ConversionOptions copy = options.conversion;
+        return words[static_cast<std::size_t>(reference(copy))];
+    };
+    option.info = {std::move(name), std::move(group), OptionType::choice, std::move(words),
+                   0, 0, std::move(sentence)};
+    return option;
+}
+
+template <typename Reference>
+Option flag(std::string name, std::string group, std::string sentence, Reference reference) {
+    return {{std::move(name), std::move(group), OptionType::flag, {}, 0, 0, std::move(sentence)},
+            [reference](JobOptions& options, const OptionValue& value) {
+                reference(options.conversion) = std::get<bool>(value);
+            },
+            [reference](const JobOptions& options) -> Json {
+                ConversionOptions copy = options.conversion;
+                return reference(copy);
+            }};
+}
+
+struct Range {
+    double minimum = 0;
+    double maximum = 0;
+};
+
+/// A number; the type behind `reference` decides whether it is an integer.
+template <typename Reference>
+Option number(std::string name, std::string group, Range range, std::string sentence,
+              Reference reference) {
+    using Target = std::decay_t<decltype(reference(std::declval<ConversionOptions&>()))>;
+    constexpr OptionType kType =
+        std::is_integral_v<Target> ? OptionType::integer : OptionType::number;
+    return {{std::move(name), std::move(group), kType, {}, range.minimum, range.maximum,
+             std::move(sentence)},
+            [reference](JobOptions& options, const OptionValue& value) {
+                reference(options.conversion) = static_cast<Target>(std::get<double>(value));
+            },
+            [reference](const JobOptions& options) -> Json {
+                ConversionOptions copy = options.conversion;
+                return reference(copy);
+            }};
+}
+
+/// A number or a word that stands for "no number".
+template <typename Reference>
+Option numberOr(const std::string& word, std::string name, std::string group, Range range,
+                std::string sentence, Reference reference) {
+    using Target =
+        typename std::decay_t<decltype(reference(std::declval<ConversionOptions&>()))>::value_type;
+    constexpr OptionType kType =
+        std::is_integral_v<Target> ? OptionType::integer : OptionType::number;
+    return {{std::move(name), std::move(group), kType, {word}, range.minimum, range.maximum,
+             std::move(sentence)},
+            [reference](JobOptions& options, const OptionValue& value) {
+                if (std::holds_alternative<Word>(value)) reference(options.conversion).reset();
+                else reference(options.conversion) = static_cast<Target>(std::get<double>(value));
+            },
+            [reference, word](const JobOptions& options) -> Json {
+                ConversionOptions copy = options.conversion;
+                const auto& target = reference(copy);
+                return target ? Json(*target) : Json(word);
+            }};
+}
+
+Option onlyWith(std::string condition, Option option,
+                std::function<bool(const ConversionOptions&)> applies) {
+    option.info.onlyWith = std::move(condition);
+    option.applies = [applies](const JobOptions& options) { return applies(options.conversion); };
+    return option;
+}
+
+bool isRaw(const ConversionOptions& options) {
+    return options.input.format == core::GridFormat::raw;
+}
+
+bool isDraco(const ConversionOptions& options) {
+    return options.output.format == core::OutputFormat::glb &&
+           options.output.compression == core::Compression::draco;
+}
+
+Option dimsOption() {
+    return {{"dims", "input", OptionType::dims, {}, 1, 65536,
+             "Voxels along x, y and z of a raw grid, x fastest in memory."},
+            [](JobOptions& options, const OptionValue& value) {
+                options.conversion.input.dims = std::get<core::Vec3i>(value);
+            },
+            [](const JobOptions& options) -> Json {
+                const auto& dims = options.conversion.input.dims;
+                return dims ? Json::array({dims->x(), dims->y(), dims->z()}) : Json();
+            }};
+}
+
+Json labelMapJson(const std::vector<core::LabelRule>& rules) {
+    Json map = Json::object();
+    for (const core::LabelRule& rule : rules)
+        map[rule.name] = rule.rest ? Json("*") : Json(rule.values);
+    return map;
+}
+
+Option labelsOption() {
+    const std::vector<std::string> words{"auto", "solid", "material", "palette"};
+    return {{"labels", "input", OptionType::labels, words, 0, 4294967295.0,
+             "What makes a region of its own: auto takes the material class of a .vox and the "
+             "stored value of other grids; a map names lists of palette entries or values."},
+            [](JobOptions& options, const OptionValue& value) {
+                core::InputOptions& input = options.conversion.input;
+                if (const auto* word = std::get_if<Word>(&value)) {
+                    input.labels = static_cast<core::LabelMode>(word->index);
+                    return;
+                }
+                input.labels = core::LabelMode::map;
+                input.labelMap = std::get<std::vector<core::LabelRule>>(value);
+            },
+            [words](const JobOptions& options) -> Json {
+                const core::InputOptions& input = options.conversion.input;
+                if (input.labels == core::LabelMode::map) return labelMapJson(input.labelMap);
+                return words[static_cast<std::size_t>(input.labels)];
+            }};
+}
+
+/// `auto` leaves what the preset chose, so it is a word that no method is numbered by.
+Option normalsOption() {
+    const std::vector<std::string> words{"auto", "trivial", "convolved", "integral-invariant"};
+    return {{"normals", "method", OptionType::choice, words, 0, 0,
+             "How the normal of each voxel face is estimated; auto is the preset's method."},
+            [](JobOptions& options, const OptionValue& value) {
+                const std::size_t index = std::get<Word>(value).index;
+                if (index > 0)
+                    options.conversion.method.normals.method =
+                        static_cast<core::NormalMethod>(index - 1);
+            },
+            [words](const JobOptions& options) -> Json {
+                return words[1 + static_cast<std::size_t>(options.conversion.method.normals.method)];
+            }};
+}
+
+/// Setting the preset sets every method option, so it has to come first.
+Option presetOption() {
+    const std::vector<std::string> words{"studio", "paper"};
+    return {{"preset", "method", OptionType::choice, words, 0, 0,
+             "Sets every method option; those given beside it win."},
+            [](JobOptions& options, const OptionValue& value) {
+                options.conversion.preset = static_cast<core::Preset>(std::get<Word>(value).index);
+                options.conversion.method = core::presetOptions(options.conversion.preset);
+            },
+            [words](const JobOptions& options) -> Json {
+                return words[static_cast<std::size_t>(options.conversion.preset)];
+            }};
+}
+
+Option deadlineOption() {
+    return {{"deadline_ms", "run", OptionType::integer, {}, 1, 86400000,
+             "Milliseconds from acceptance to the end, at most the server's deadline, which is the "
+             "default; waiting in the queue counts."},
+            [](JobOptions& options, const OptionValue& value) {
+                options.run.deadlineMs = static_cast<std::uint64_t>(std::get<double>(value));
+            },
+            [](const JobOptions& options) -> Json {
+                return options.run.deadlineMs ? Json(*options.run.deadlineMs) : Json();
+            }};
+}
+
+void addInput(std::vector<Option>& table) {
+    const auto input = [](auto member) {
+        return [member](ConversionOptions& o) -> auto& { return o.input.*member; };
+    };
+    table.push_back(choice("format", "input", {"auto", "vox", "npy", "raw"},
+                           "Format of the grid; auto looks at the bytes.",
+                           input(&core::InputOptions::format)));
+    table.push_back(onlyWith("format=raw", dimsOption(), isRaw));
+    table.push_back(onlyWith("format=raw",
+                             choice("type", "input", {"u8", "u16"},
+                                    "Type of the values of a raw grid, little-endian.",
+                                    input(&core::InputOptions::rawType)),
+                             isRaw));
+    table.push_back(labelsOption());
+
+    Option hidden = choice("hidden", "input", {"skip", "keep"},
+                           "Whether hidden layers, groups and shapes are converted too.",
+                           [](ConversionOptions& o) -> bool& { return o.input.keepHidden; });
+    table.push_back(std::move(hidden));
+    table.push_back(number("frame", "input", {0, 65535},
+                           "Which model of a shape with several frames.",
+                           input(&core::InputOptions::frame)));
+}
+
+void addEnergy(std::vector<Option>& table) {
+    const auto energy = [](auto member) {
+        return [member](ConversionOptions& o) -> auto& { return o.method.energy.*member; };
+    };
+    table.push_back(presetOption());
+    table.push_back(number("alpha", "method", {1e-9, 1e6},
+                           "Weight of the data term: stay near the voxels.",
+                           energy(&core::EnergyOptions::alpha)));
+    table.push_back(number("beta", "method", {0, 1e6},
+                           "Weight of the alignment term: faces follow their normals.",
+                           energy(&core::EnergyOptions::beta)));
+    table.push_back(number("gamma", "method", {0, 1e6},
+                           "Weight of the fairness term: vertices are evenly spaced.",
+                           energy(&core::EnergyOptions::gamma)));
+    table.push_back(choice("fairness", "method", {"umbrella", "tangential"},
+                           "How vertices are spaced: the paper's umbrella, or within the surface.",
+                           energy(&core::EnergyOptions::fairness)));
+    table.push_back(choice("junction_fairness", "method", {"umbrella", "curve"},
+                           "How vertices where three or more regions meet are spaced: as all "
+                           "others, or along the curve.",
+                           energy(&core::EnergyOptions::junctionFairness)));
+}
+
+void addSolve(std::vector<Option>& table) {
+    const auto solve = [](auto member) {
+        return [member](ConversionOptions& o) -> auto& { return o.method.solve.*member; };
+    };
+    table.push_back(normalsOption());
+    table.push_back(number("radius", "method", {0.5, 32},
+                           "Radius of the normal estimation, in voxels.",
+                           [](ConversionOptions& o) -> double& { return o.method.normals.radius; }));
+    table.push_back(numberOr("none", "displacement_limit", "method", {0.001, 16},
+                             "How far a vertex may move along each axis, in voxels; below 0.5 "
+                             "every voxel centre keeps its side.",
+                             solve(&core::SolveOptions::displacementLimit)));
+    table.push_back(
+        choice("solver", "method",
+               {"auto", "pcg", "projected", "gradient-descent", "cholesky"},
+               "The minimizer; auto takes projected with a displacement limit, else pcg.",
+               solve(&core::SolveOptions::solver)));
+    table.push_back(number("tolerance", "method", {1e-14, 0.1},
+                           "Relative residual at which the solver stops.",
+                           solve(&core::SolveOptions::tolerance)));
+    table.push_back(number("max_iterations", "method", {1, 1000000},
+                           "Iterations after which the solver gives up.",
+                           solve(&core::SolveOptions::maxIterations)));
+    table.push_back(flag("untangle", "method", "Whether inverted faces are repaired.",
+                         solve(&core::SolveOptions::untangle)));
+}
+
+void addOutput(std::vector<Option>& table) {
+    const auto output = [](auto member) {
+        return [member](ConversionOptions& o) -> auto& { return o.output.*member; };
+    };
+    using core::OutputOptions;
+    table.push_back(choice("output", "output", {"glb", "obj"}, "Format of the result.",
+                           output(&OutputOptions::format)));
+    table.push_back(choice("parts", "output", {"exterior", "interfaces"},
+                           "Meshes: the faces against the background, or one mesh for every two "
+                           "regions that touch.",
+                           output(&OutputOptions::parts)));
+    table.push_back(choice("colors", "output", {"voxel", "label", "none"},
+                           "Colours: exact per voxel face, one for each region, or none.",
+                           output(&OutputOptions::colors)));
+    table.push_back(choice("shading", "output", {"smooth", "crease", "flat"},
+                           "Vertex normals: smooth, smooth but for sharp edges, or one per face.",
+                           output(&OutputOptions::shading)));
+    table.push_back(number("voxel_size", "output", {1e-6, 1e6}, "Side of a voxel in metres.",
+                           output(&OutputOptions::voxelSize)));
+    table.push_back(choice("pivot", "output", {"bottom", "center", "corner", "world"},
+                           "Where the origin lies: under the middle, in the middle, in the low "
+                           "corner, or where the scene has it.",
+                           output(&OutputOptions::pivot)));
+    table.push_back(choice("up", "output", {"y", "z"},
+                           "The axis that points up in the result; the grid's is z.",
+                           output(&OutputOptions::up)));
+}
+
+void addCompression(std::vector<Option>& table) {
+    const auto output = [](auto member) {
+        return [member](ConversionOptions& o) -> auto& { return o.output.*member; };
+    };
+    using core::OutputOptions;
+    const std::string draco = "output=glb and compression=draco";
+    table.push_back(onlyWith("output=glb",
+                             choice("compression", "output", {"draco", "none"},
+                                    "Compression of a GLB.", output(&OutputOptions::compression)),
+                             [](const ConversionOptions& options) {
+                                 return options.output.format == core::OutputFormat::glb ||
+                                        options.output.compression == core::Compression::none;
+                             }));
+    table.push_back(
+        onlyWith(draco,
+                 numberOr("auto", "draco_position_bits", "output", {8, 30},
+                          "Bits of a Draco position; auto keeps the step below 0.01 voxel.",
+                          output(&OutputOptions::dracoPositionBits)),
+                 isDraco));
+    table.push_back(
+        onlyWith(draco,
+                 number("draco_speed", "output", {0, 10},
+                        "Draco's speed: 0 gives the smallest file, 10 is the fastest.",
+                        output(&OutputOptions::dracoSpeed)),
+                 isDraco));
+}
+
+std::vector<Option> makeTable() {
+    std::vector<Option> table;
+    addInput(table);
+    addEnergy(table);
+    addSolve(table);
+    addOutput(table);
+    addCompression(table);
+    table.push_back(deadlineOption());
+    return table;
+}
+
+}  // namespace
+
+const std::vector<Option>& optionTable() {
+    static const std::vector<Option> kTable = makeTable();
+    return kTable;
+}
+
+}  // namespace rivage::proto

@@ -1,0 +1,294 @@
+#include "proto/options.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "proto/option_table.h"
+
+using namespace rivage;
+using core::ErrorCode;
+using proto::JobOptions;
+using proto::Json;
+using proto::OptionInfo;
+using proto::OptionText;
+using proto::OptionType;
+
+namespace {
+
+core::Result<JobOptions> parse(const std::vector<OptionText>& text, const std::string& json = {}) {
+    return proto::parseOptions(text, json);
+}
+
+/// What an option needs beside it to be accepted at all.
+std::vector<OptionText> beside(const std::string& name) {
+    if (name == "type") return {{"format", "raw"}, {"dims", "1x1x1"}};
+    if (name == "dims") return {{"format", "raw"}};
+    return {};
+}
+
+core::Result<JobOptions> parseOne(const std::string& name, const std::string& value) {
+    std::vector<OptionText> text = beside(name);
+    if (name == "format" && value == "raw") text.push_back({"dims", "1x1x1"});
+    text.push_back({name, value});
+    return parse(text);
+}
+
+core::Result<JobOptions> parseOneJson(const std::string& name, const Json& value) {
+    std::vector<OptionText> text = beside(name);
+    if (name == "format" && value == "raw") text.push_back({"dims", "1x1x1"});
+    return parse(text, proto::writeJson(Json{{name, value}}));
+}
+
+void checkRefused(const core::Result<JobOptions>& options, ErrorCode code,
+                  const std::string& field) {
+    REQUIRE_FALSE(options);
+    CHECK(options.error().code == code);
+    CHECK(options.error().field == field);
+    CHECK_FALSE(options.error().message.empty());
+}
+
+std::string text(double value) { return Json(value).dump(); }
+
+Json valueOf(const JobOptions& options, const std::string& name) {
+    const Json json = proto::toJson(options);
+    return json.contains(name) ? json[name] : Json();
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("proto");
+
+TEST_CASE("parseOptions: nothing given is the preset studio") {
+    const auto options = parse({});
+    REQUIRE(options);
+    CHECK(options->conversion.method.energy.alpha == 0.01);
+    CHECK(options->conversion.method.solve.displacementLimit == 0.49);
+    CHECK(options->conversion.output.voxelSize == 0.1);
+    CHECK_FALSE(options->run.deadlineMs);
+}
+
+TEST_CASE("parseOptions: every word of every option, as text and as JSON") {
+    for (const OptionInfo& info : proto::optionInfos()) {
+        for (const std::string& word : info.words) {
+            CAPTURE(info.name);
+            CAPTURE(word);
+            const auto fromText = parseOne(info.name, word);
+            REQUIRE(fromText);
+            const auto fromJson = parseOneJson(info.name, word);
+            REQUIRE(fromJson);
+            CHECK(proto::toJson(*fromText) == proto::toJson(*fromJson));
+            if (info.name != "normals" || word != "auto")
+                CHECK(valueOf(*fromText, info.name) == word);
+        }
+    }
+}
+
+TEST_CASE("parseOptions: minimum and maximum are taken, just outside is refused") {
+    for (const OptionInfo& info : proto::optionInfos()) {
+        if (info.type != OptionType::number && info.type != OptionType::integer) continue;
+        CAPTURE(info.name);
+        for (const double value : {info.minimum, info.maximum}) {
+            const auto options = parseOne(info.name, text(value));
+            REQUIRE(options);
+            CHECK(valueOf(*options, info.name).get<double>() == value);
+            CHECK(parseOneJson(info.name, value));
+        }
+        const bool whole = info.type == OptionType::integer;
+        const double below = whole ? info.minimum - 1 : std::nextafter(info.minimum, -1e300);
+        const double above = whole ? info.maximum + 1 : std::nextafter(info.maximum, 1e300);
+        for (const double value : {below, above}) {
+            const std::string field = "/options/" + info.name;
+            checkRefused(parseOne(info.name, text(value)), ErrorCode::invalidOption, field);
+            checkRefused(parseOneJson(info.name, value), ErrorCode::invalidOption, field);
+        }
+        if (whole)
+            checkRefused(parseOne(info.name, text(info.minimum + 0.5)), ErrorCode::invalidOption,
+                         "/options/" + info.name);
+    }
+}
+
+TEST_CASE("reject: values that are no values, for every option") {
+    for (const OptionInfo& info : proto::optionInfos())
+        for (const char* value : {"", " ", "nan", "inf", "-inf", "1e999", "0x10", "1,5", "1 ",
+                                  "true ", "\xff\xfe", "1x2", "{", "[]", "Draco"}) {
+            CAPTURE(info.name);
+            CAPTURE(value);
+            const auto options = parse({{info.name, value}});
+            checkRefused(options, ErrorCode::invalidOption, "/options/" + info.name);
+        }
+}
+
+TEST_CASE("reject: JSON values of the wrong type, for every option") {
+    for (const OptionInfo& info : proto::optionInfos()) {
+        CAPTURE(info.name);
+        for (const char* value : {"null", "[]", "[[]]", "\"0.1\"", "\"true\"", "-1e300"}) {
+            CAPTURE(value);
+            checkRefused(parse({}, "{\"" + info.name + "\":" + value + "}"),
+                         ErrorCode::invalidOption, "/options/" + info.name);
+        }
+    }
+}
+
+TEST_CASE("reject: the message names the option, what is allowed and what was given") {
+    const auto options = parse({{"radius", "99"}});
+    REQUIRE_FALSE(options);
+    CHECK(options.error().message == "radius must be a number from 0.5 to 32, not \"99\"");
+    const auto word = parse({{"normals", "guided"}});
+    REQUIRE_FALSE(word);
+    CHECK(word.error().message ==
+          "normals must be auto, trivial, convolved or integral-invariant, not \"guided\"");
+    const auto near = parse({{"compression", "darco"}});
+    REQUIRE_FALSE(near);
+    CHECK(near.error().message.ends_with("did you mean draco?"));
+}
+
+TEST_CASE("reject: an unknown option, with a suggestion where one is near") {
+    const auto typo = parse({{"alhpa", "1"}});
+    checkRefused(typo, ErrorCode::unknownOption, "/options/alhpa");
+    CHECK(typo.error().message.ends_with("did you mean alpha?"));
+    const auto far = parse({{"wibble", "1"}});
+    checkRefused(far, ErrorCode::unknownOption, "/options/wibble");
+    CHECK(far.error().message == "there is no option \"wibble\"");
+    checkRefused(parse({}, R"({"lods":"1"})"), ErrorCode::unknownOption, "/options/lods");
+    checkRefused(parse({{"a/b\n", "1"}}), ErrorCode::unknownOption, "/options");
+}
+
+TEST_CASE("reject: the same option twice, in one part or across both") {
+    checkRefused(parse({{"alpha", "1"}, {"alpha", "1"}}), ErrorCode::invalidOption,
+                 "/options/alpha");
+    checkRefused(parse({{"alpha", "1"}}, R"({"alpha":1})"), ErrorCode::invalidOption,
+                 "/options/alpha");
+    checkRefused(parse({}, R"({"alpha":1,"alpha":1})"), ErrorCode::malformedRequest, "/options");
+}
+
+TEST_CASE("reject: JSON that is no object, too deep, or not finite") {
+    for (const char* json : {"[]", "1", "\"x\"", "{\"alpha\":NaN}", "{\"alpha\":1e999}", "{"})
+        checkRefused(parse({}, json), ErrorCode::malformedRequest, "/options");
+    checkRefused(parse({}, std::string(200000, '[')), ErrorCode::malformedRequest, "/options");
+}
+
+TEST_CASE("parseOptions: the preset comes first, what is given beside it wins in any order") {
+    const auto before = parse({{"alpha", "0.5"}, {"preset", "paper"}});
+    const auto after = parse({{"preset", "paper"}, {"alpha", "0.5"}});
+    REQUIRE(before);
+    REQUIRE(after);
+    CHECK(proto::toJson(*before) == proto::toJson(*after));
+    CHECK(before->conversion.method.energy.alpha == 0.5);
+    CHECK(before->conversion.method.energy.fairness == core::Fairness::umbrella);
+    CHECK_FALSE(before->conversion.method.solve.displacementLimit);
+    const auto split = parse({{"alpha", "0.5"}}, R"({"preset":"paper"})");
+    REQUIRE(split);
+    CHECK(proto::toJson(*split) == proto::toJson(*before));
+}
+
+TEST_CASE("parseOptions: normals auto keeps what the preset chose") {
+    for (const char* preset : {"studio", "paper"}) {
+        const auto given = parse({{"normals", "auto"}, {"preset", preset}});
+        const auto plain = parse({{"preset", preset}});
+        REQUIRE(given);
+        REQUIRE(plain);
+        CHECK(proto::toJson(*given) == proto::toJson(*plain));
+    }
+}
+
+TEST_CASE("parseOptions: dims as text and as JSON") {
+    const auto fromText = parse({{"format", "raw"}, {"dims", "64x68x40"}});
+    REQUIRE(fromText);
+    CHECK(*fromText->conversion.input.dims == core::Vec3i(64, 68, 40));
+    CHECK(parse({{"format", "raw"}}, R"({"dims":[64,68,40]})"));
+    CHECK(parse({{"format", "raw"}}, R"({"dims":"64x68x40"})"));
+    for (const char* bad : {"0x1x1", "1x1", "1x1x1x1", "1x1x65537", "-1x1x1", "1 x1x1", "axbxc",
+                            "99999999999x1x1", "x", "1x1x"})
+        checkRefused(parse({{"format", "raw"}, {"dims", bad}}), ErrorCode::invalidOption,
+                     "/options/dims");
+    for (const char* bad : {"[1,1]", "[1,1,1.5]", "[1,1,0]", "[1,1,\"1\"]"})
+        checkRefused(parse({{"format", "raw"}}, std::string("{\"dims\":") + bad + "}"),
+                     ErrorCode::invalidOption, "/options/dims");
+}
+
+TEST_CASE("parseOptions: a label map, as text and as JSON") {
+    const std::string map = R"({"sea":[12,13],"sand":7,"island":"*"})";
+    const auto fromText = parse({{"labels", map}});
+    REQUIRE(fromText);
+    const core::InputOptions& input = fromText->conversion.input;
+    CHECK(input.labels == core::LabelMode::map);
+    REQUIRE(input.labelMap.size() == 3);
+    CHECK(input.labelMap[0].name == "sea");
+    CHECK(input.labelMap[0].values == std::vector<std::uint32_t>{12, 13});
+    CHECK(input.labelMap[1].values == std::vector<std::uint32_t>{7});
+    CHECK(input.labelMap[2].rest);
+    const auto fromJson = parse({}, "{\"labels\":" + map + "}");
+    REQUIRE(fromJson);
+    CHECK(proto::toJson(*fromText) == proto::toJson(*fromJson));
+}
+
+TEST_CASE("reject: label maps that contradict themselves") {
+    for (const char* bad :
+         {R"({})", R"({"a":[]})", R"({"a":"*","b":"*"})", R"({"a":[-1]})", R"({"a":[1.5]})",
+          R"({"a":[4294967296]})", R"({"a":"b"})", R"({"":[1]})", R"({"a":1,"a":2})",
+          R"({"a":{"b":1}})", R"({"a":null})", R"({"a":[1)"})
+        checkRefused(parse({{"labels", bad}}), ErrorCode::invalidOption, "/options/labels");
+    checkRefused(parse({{"labels", R"({"a":[1,2],"b":[2]})"}}), ErrorCode::invalidOption,
+                 "/options/labels/b");
+}
+
+TEST_CASE("reject: options without effect beside the others") {
+    checkRefused(parse({{"dims", "1x1x1"}}), ErrorCode::invalidOption, "/options/dims");
+    checkRefused(parse({{"type", "u16"}, {"format", "vox"}}), ErrorCode::invalidOption,
+                 "/options/type");
+    checkRefused(parse({{"format", "raw"}}), ErrorCode::invalidOption, "/options/dims");
+    checkRefused(parse({{"draco_speed", "1"}, {"compression", "none"}}),
+                 ErrorCode::invalidOption, "/options/draco_speed");
+    checkRefused(parse({{"output", "obj"}, {"compression", "draco"}}), ErrorCode::invalidOption,
+                 "/options/compression");
+    CHECK(parse({{"output", "obj"}, {"compression", "none"}}));
+    CHECK(parse({{"output", "obj"}}));
+}
+
+TEST_CASE("property: the effective options, given back, are the same options") {
+    const std::vector<std::vector<OptionText>> cases{
+        {},
+        {{"preset", "paper"}},
+        {{"format", "raw"}, {"dims", "3x4x5"}, {"type", "u16"}},
+        {{"labels", R"({"sea":[12,13],"island":"*"})"}, {"output", "obj"}},
+        {{"displacement_limit", "none"}, {"draco_position_bits", "12"}, {"alpha", "1e-7"}},
+        {{"hidden", "keep"}, {"untangle", "false"}, {"deadline_ms", "1000"}}};
+    for (const auto& given : cases) {
+        const auto options = parse(given);
+        REQUIRE(options);
+        const Json echo = proto::toJson(*options);
+        const auto again = parse({}, proto::writeJson(echo));
+        REQUIRE(again);
+        CHECK(proto::toJson(*again) == echo);
+    }
+    CHECK_FALSE(proto::toJson(parse({{"deadline_ms", "9"}})->conversion).contains("deadline_ms"));
+}
+
+TEST_CASE("describeOptions: every option with type, default and a sentence") {
+    const Json list = proto::describeOptions()["options"];
+    CHECK(list.size() == proto::optionInfos().size());
+    for (const Json& option : list) {
+        CAPTURE(option["name"].get<std::string>());
+        CHECK(option.contains("default"));
+        CHECK(option["description"].get<std::string>().ends_with("."));
+        if (option["type"] == "choice") CHECK(option["values"].size() >= 2);
+        if (option["type"] == "number") CHECK(option["minimum"] < option["maximum"]);
+        if (option["name"] == "alpha") {
+            CHECK(option["default"] == 0.01);
+            CHECK(option["presets"]["paper"] == 0.001);
+        }
+    }
+}
+
+TEST_CASE("nearestName: one or two slips are forgiven, another word is not") {
+    const std::vector<std::string> names{"alpha", "beta", "displacement_limit"};
+    CHECK(proto::nearestName("aplha", names) == "alpha");
+    CHECK(proto::nearestName("displacment_limt", names) == "displacement_limit");
+    CHECK(proto::nearestName("colors", names).empty());
+    CHECK(proto::nearestName(std::string(10000, 'a'), names).empty());
+}
+
+TEST_SUITE_END();
