@@ -1,0 +1,49 @@
+#pragma once
+
+#include <httplib.h>
+
+#include <string>
+
+#include "proto/problem.h"
+#include "server/http/service.h"
+
+namespace rivage::server {
+
+/// One request with the answer to it, as handlers see them.
+struct Exchange {
+    const httplib::Request& request;
+    httplib::Response& response;
+    const httplib::ContentReader* body;  ///< of routes that take an upload, else null
+    Service& service;
+};
+
+/// What a step of a handler gives, or the problem to answer with.
+template <typename T>
+using Answer = tl::expected<T, proto::Problem>;
+[[nodiscard]] inline tl::unexpected<proto::Problem> problem(const core::Error& error) {
+    return tl::unexpected<proto::Problem>(proto::makeProblem(error));
+}
+
+/// The status that the log shows for a client that left before its answer.
+inline constexpr int kClientClosed = 499;
+
+void writeJson(httplib::Response& response, int status, const proto::Json& json);
+
+/// Answers with a problem; 503 says when to come back.
+void writeProblem(const Service& service, httplib::Response& response,
+                  const proto::Problem& problem);
+void writeProblem(Exchange& exchange, const proto::Problem& problem);
+void writeError(Exchange& exchange, const core::Error& error);
+
+/// Refuses query parameters that the route does not know: nothing is ignored in silence.
+/// @errors malformedRequest
+core::Result<void> checkParameters(const httplib::Request& request,
+                                   const std::vector<std::string>& known);
+
+/// Whether one of the entity tags of If-None-Match is `etag`, or it is "*".
+[[nodiscard]] bool matchesEtag(const std::string& header, const std::string& etag);
+
+/// Takes the client's request id if it is harmless, else makes one. Kept in the answer's header.
+std::string requestId(const httplib::Request& request, httplib::Response& response);
+
+}  // namespace rivage::server

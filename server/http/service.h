@@ -1,0 +1,38 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "proto/job.h"
+#include "server/jobs/job_pool.h"
+#include "server/web/assets.h"
+
+namespace rivage::server {
+
+/// Scenes that the server hands out to try it with; `core::sampleScene` in production.
+struct Samples {
+    std::vector<std::string> names;
+    std::function<core::Result<std::vector<std::byte>>(const std::string& name)> make;
+};
+
+/// What the handlers work with; it outlives the HTTP server.
+struct Service {
+    JobPool& pool;
+    proto::ServiceLimits limits;
+    Samples samples = {};
+    std::span<const WebAsset> assets = {};  ///< the viewer
+    /// How long a body may take for its first bytes, and how slow it may be after that.
+    std::chrono::seconds readTimeout{10};
+    std::uint64_t minBodyRate = 1024;  ///< bytes per second, on average, after `readTimeout`
+    std::size_t longPolls = 64;        ///< waiting GETs at a time; more are answered at once
+    std::atomic<std::size_t> waiting{0};
+    std::atomic<std::size_t> unanswered{0};  ///< requests whose answer is not written yet
+    std::atomic<bool> stopping{false};  ///< long polls end now
+};
+
+}  // namespace rivage::server

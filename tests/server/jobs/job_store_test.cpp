@@ -1,0 +1,86 @@
+#include "server/jobs/job_store.h"
+
+#include <doctest/doctest.h>
+
+using namespace rivage;
+using namespace rivage::server;
+using core::ErrorCode;
+using proto::JobState;
+using namespace std::chrono_literals;
+
+namespace {
+
+std::shared_ptr<Job> endedJob(MemoryJobStore& store, const std::string& id, std::size_t bytes) {
+    auto job = std::make_shared<Job>(id, JobRequest{}, Clock::now() + 10s);
+    store.add(job);
+    REQUIRE(job->start());
+    core::Artifact artifact;
+    artifact.bytes.resize(bytes);
+    job->finish(std::move(artifact));
+    store.ended(job);
+    return job;
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("server/jobs");
+
+TEST_CASE("MemoryJobStore: a job is found until its time is over, then it has expired") {
+    MemoryJobStore store({.resultTtl = 60s});
+    const auto job = endedJob(store, "a", 10);
+    CHECK(job->snapshot().view.expiresAt);
+    store.sweep(Clock::now() + 59s);
+    CHECK(store.find("a"));
+    store.sweep(Clock::now() + 61s);
+    CHECK(store.find("a").error().code == ErrorCode::expired);
+    CHECK(store.find("b").error().code == ErrorCode::notFound);
+}
+
+TEST_CASE("MemoryJobStore: the oldest results make room, their jobs stay") {
+    MemoryJobStore store({.resultBytes = 25});
+    const auto first = endedJob(store, "a", 10);
+    const auto second = endedJob(store, "b", 10);
+    const auto third = endedJob(store, "c", 10);
+    CHECK_FALSE(first->snapshot().view.hasResult);
+    CHECK(second->snapshot().result);
+    CHECK(third->snapshot().result);
+    CHECK(store.find("a"));
+    const auto huge = endedJob(store, "d", 1000);
+    CHECK_FALSE(third->snapshot().result);
+    CHECK(huge->snapshot().result);
+}
+
+TEST_CASE("MemoryJobStore: more jobs than the limit: the oldest expire") {
+    MemoryJobStore store({.jobs = 2});
+    for (const char* id : {"a", "b", "c"}) endedJob(store, id, 1);
+    CHECK(store.find("a").error().code == ErrorCode::expired);
+    CHECK(store.list({}).size() == 2);
+}
+
+TEST_CASE("MemoryJobStore: a forgotten job is unknown, and its bytes are free again") {
+    MemoryJobStore store({.resultBytes = 25});
+    const auto first = endedJob(store, "a", 20);
+    store.forget("a");
+    CHECK(store.find("a").error().code == ErrorCode::notFound);
+    const auto second = endedJob(store, "b", 20);
+    const auto third = endedJob(store, "c", 5);
+    CHECK(second->snapshot().result);
+}
+
+TEST_CASE("MemoryJobStore: the list is newest first, by state, in pages") {
+    MemoryJobStore store(StoreLimits{});
+    for (const char* id : {"a", "b", "c"}) endedJob(store, id, 1);
+    store.add(std::make_shared<Job>("d", JobRequest{}, Clock::now()));
+    const auto ids = [&](const JobQuery& query) {
+        std::string text;
+        for (const auto& job : store.list(query)) text += job->id();
+        return text;
+    };
+    CHECK(ids({}) == "dcba");
+    CHECK(ids({.limit = 2}) == "dc");
+    CHECK(ids({.after = "c"}) == "ba");
+    CHECK(ids({.state = JobState::queued}) == "d");
+    CHECK(ids({.state = JobState::failed}).empty());
+}
+
+TEST_SUITE_END();

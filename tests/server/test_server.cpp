@@ -1,0 +1,190 @@
+#include "tests/server/test_server.h"
+
+#include <arpa/inet.h>
+#include <doctest/doctest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <thread>
+
+namespace rivage::test {
+namespace {
+
+using core::Error;
+using core::ErrorCode;
+using core::fail;
+using namespace std::chrono_literals;
+
+core::Result<core::Artifact> artifact(const std::string& text) {
+    const std::string bytes = "asset of " + text;
+    const auto* data = reinterpret_cast<const std::byte*>(bytes.data());
+    core::Artifact result{{data, data + bytes.size()}, "model/gltf-binary", "glb", {}};
+    result.report.input.voxels = text.size();
+    return result;
+}
+
+core::Result<core::Artifact> wait(Gate& gate, const std::string& text,
+                                  const core::RunContext& run) {
+    if (text.starts_with("stuck")) std::this_thread::sleep_for(200ms);
+    while (!gate.open) {
+        if (run.stopped()) return fail(run.stopError());
+        run.report(core::Stage::solve, 0.5);
+        std::this_thread::sleep_for(1ms);
+    }
+    return artifact(text);
+}
+
+core::Result<core::Artifact> convert(Gate& gate, const std::string& text,
+                                     const core::RunContext& run) {
+    for (const core::Stage stage : {core::Stage::parse, core::Stage::surface})
+        run.report(stage, 0);
+    if (text.starts_with("slow") || text.starts_with("stuck")) return wait(gate, text, run);
+    if (text == "empty") return fail(ErrorCode::emptyGrid, "the grid has no voxel", "/grid");
+    if (text == "bad") return fail(ErrorCode::malformedInput, "it is not a grid", "/grid");
+    if (text == "odd") return fail(ErrorCode::unsupportedFormat, "which format?", "/grid");
+    if (text == "big") return fail(Error{ErrorCode::tooLarge, "voxels", "/grid", 5, 6, "--max"});
+    if (text == "throw") throw std::runtime_error("secret");
+    if (text == "memory") throw std::bad_alloc();
+    return artifact(text);
+}
+
+void sendAll(int socket, const std::string& bytes) {
+    std::size_t sent = 0;
+    while (sent < bytes.size()) {
+        const ssize_t n =
+            ::send(socket, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
+        if (n <= 0) return;
+        sent += static_cast<std::size_t>(n);
+    }
+}
+
+/// Whether an answer other than 100 has all the bytes that it announces.
+bool isComplete(std::string answer) {
+    if (answer.starts_with("HTTP/1.1 100"))
+        answer.erase(0, std::min(answer.find("\r\n\r\n"), answer.size() - 4) + 4);
+    const std::size_t head = answer.find("\r\n\r\n");
+    const std::size_t length = answer.find("Content-Length: ");
+    if (head == std::string::npos || length > head) return false;
+    return answer.size() >= head + 4 + std::stoul(answer.substr(length + 16));
+}
+
+}  // namespace
+
+server::Engine fakeEngine(Gate& gate) {
+    const auto run = [&gate](std::span<const std::byte> input, const core::ConversionOptions&,
+                             const proto::Json&, const core::RunContext& context) {
+        ++gate.started;
+        ++gate.running;
+        struct Leave {
+            Gate& gate;
+            ~Leave() { --gate.running; }
+        } leave{gate};
+        const std::string text(reinterpret_cast<const char*>(input.data()), input.size());
+        return convert(gate, text, context);
+    };
+    const auto inspect = [run](std::span<const std::byte> input,
+                               const core::ConversionOptions& options, const proto::Json& echo,
+                               const core::RunContext& context) {
+        auto result = run(input, options, echo, context);
+        if (result) result->mediaType = "application/json";
+        return result;
+    };
+    return {run, inspect};
+}
+
+TestServer::TestServer(const TestSettings& settings) {
+    server::PoolSettings poolSettings;
+    poolSettings.workers = settings.workers;
+    poolSettings.queueLimit = settings.queueLimit;
+    poolSettings.deadline = settings.deadline;
+    poolSettings.store = settings.store;
+    pool = std::make_unique<server::JobPool>(poolSettings, fakeEngine(gate));
+    proto::ServiceLimits limits;
+    limits.maxUploadBytes = settings.maxUpload;
+    limits.workers = settings.workers;
+    server::Samples samples{{"dot"}, [](const std::string&) {
+                                return core::Result<std::vector<std::byte>>(
+                                    std::vector<std::byte>(3, std::byte{'v'}));
+                            }};
+    service = std::make_unique<server::Service>(*pool, limits, samples);
+    service->readTimeout = settings.readTimeout;
+    server::HttpSettings httpSettings;
+    httpSettings.observer = [this](const server::RequestRecord&) { ++records; };
+    http = std::make_unique<server::HttpServer>(httpSettings, *service);
+    admin = std::make_unique<server::AdminServer>(*service);
+    address = http->start(*server::parseAddress(settings.listen)).value();
+    adminAddress = admin->start(*server::parseAddress("127.0.0.1:0")).value();
+}
+
+TestServer::~TestServer() {
+    pool->cancelAll();
+    http->stop();
+    admin->stop();
+}
+
+httplib::Client TestServer::client() const {
+    httplib::Client client(address.isUnix() ? address.path : address.host, address.port);
+    if (address.isUnix()) client.set_address_family(AF_UNIX);
+    client.set_read_timeout(20s);
+    client.set_tcp_nodelay(true);
+    return client;
+}
+
+httplib::Client TestServer::adminClient() const {
+    return httplib::Client(adminAddress.host, adminAddress.port);
+}
+
+std::string TestServer::raw(const std::string& request, const std::string& trickle) const {
+    const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(static_cast<std::uint16_t>(address.port));
+    ::inet_pton(AF_INET, address.host.c_str(), &to.sin_addr);
+    std::string answer;
+    if (::connect(socket, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0) {
+        sendAll(socket, request);
+        for (const char c : trickle) {
+            pollfd poll{socket, POLLIN, 0};
+            if (::poll(&poll, 1, 50) != 0) break;
+            sendAll(socket, std::string(1, c));
+        }
+        char buffer[4096];
+        for (ssize_t n = 0;
+             !isComplete(answer) && (n = ::recv(socket, buffer, sizeof buffer, 0)) > 0;)
+            answer.append(buffer, static_cast<std::size_t>(n));
+    }
+    ::close(socket);
+    return answer;
+}
+
+bool TestServer::waitRunning(int count) const {
+    for (int i = 0; i < 5000; ++i) {
+        if (gate.running == count) return true;
+        std::this_thread::sleep_for(1ms);
+    }
+    return false;
+}
+
+proto::Json bodyOf(const httplib::Result& result) {
+    REQUIRE(result);
+    const auto json = proto::readJson(result->body, "");
+    REQUIRE_MESSAGE(json, result->body);
+    return *json;
+}
+
+void checkProblem(const httplib::Result& result, int status, const std::string& slug) {
+    REQUIRE(result);
+    CHECK(result->status == status);
+    CHECK(result->get_header_value("Content-Type") == "application/problem+json");
+    CHECK_FALSE(result->get_header_value("X-Request-ID").empty());
+    const proto::Json problem = bodyOf(result);
+    CHECK(problem["type"] == "/problems/" + slug);
+    CHECK(problem["status"] == status);
+    CHECK(problem.contains("title"));
+    if (status == 503) CHECK_FALSE(result->get_header_value("Retry-After").empty());
+}
+
+}  // namespace rivage::test

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <httplib.h>
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "proto/json.h"
+#include "server/http/admin_server.h"
+#include "server/http/http_server.h"
+#include "server/jobs/job_pool.h"
+
+/// A server on a free loopback port with an engine that does what the grid says:
+///   "ok..."      the artifact "asset of ok..."
+///   "slow..."    runs until it is told to stop, or the gate opens
+///   "stuck..."   as slow, but deaf to cancellation for 200 ms
+///   "empty", "big", "bad", "odd", "throw", "memory"   the failures of those kinds
+namespace rivage::test {
+
+struct TestSettings {
+    std::size_t workers = 2;
+    std::size_t queueLimit = 8;
+    std::uint64_t maxUpload = 1 << 20;
+    std::chrono::milliseconds deadline{10000};
+    server::StoreLimits store = {};
+    std::chrono::seconds readTimeout{2};
+    std::string listen = "127.0.0.1:0";
+};
+
+/// What the fake engine shares with a test.
+struct Gate {
+    std::atomic<bool> open{false};
+    std::atomic<int> running{0};
+    std::atomic<int> started{0};
+};
+
+[[nodiscard]] server::Engine fakeEngine(Gate& gate);
+
+class TestServer {
+public:
+    explicit TestServer(const TestSettings& settings = {});
+    ~TestServer();
+
+    [[nodiscard]] httplib::Client client() const;
+    [[nodiscard]] httplib::Client adminClient() const;
+    /// One byte stream to the server, for what a well-behaved client would not send.
+    /// @param trickle  sent after `request`, a byte every 50 ms, while the server says nothing
+    /// @return what the server answers, up to the end of the first final answer
+    [[nodiscard]] std::string raw(const std::string& request,
+                                  const std::string& trickle = {}) const;
+
+    /// Waits until so many jobs run. @return false after 5 s
+    [[nodiscard]] bool waitRunning(int count) const;
+
+    Gate gate;
+    std::unique_ptr<server::JobPool> pool;
+    std::unique_ptr<server::Service> service;
+    std::unique_ptr<server::HttpServer> http;
+    std::unique_ptr<server::AdminServer> admin;
+    server::Address address;
+    server::Address adminAddress;
+    std::atomic<int> records{0};
+};
+
+/// The JSON of an answer; fails the test if it is not JSON.
+[[nodiscard]] proto::Json bodyOf(const httplib::Result& result);
+
+/// Checks that an answer is the problem with this status and slug.
+void checkProblem(const httplib::Result& result, int status, const std::string& slug);
+
+}  // namespace rivage::test
