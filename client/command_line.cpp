@@ -1,0 +1,158 @@
+#include "client/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace rivage::client {
+namespace {
+
+/// What CLI11 fills in while it reads.
+struct Parsed {
+    Invocation invocation;
+    std::map<std::string, std::string> options;  ///< by the name on the wire
+    double seconds = 600;
+    bool list = false;
+};
+
+std::string flagName(std::string name) {
+    std::replace(name.begin(), name.end(), '_', '-');
+    return "--" + name;
+}
+
+std::string valueName(const proto::OptionInfo& info) {
+    std::string text;
+    for (const std::string& word : info.words) text += (text.empty() ? "" : "|") + word;
+    switch (info.type) {
+        case proto::OptionType::choice: return text;
+        case proto::OptionType::flag: return "true|false";
+        case proto::OptionType::dims: return "XxYxZ";
+        case proto::OptionType::labels: return text + "|JSON";
+        case proto::OptionType::integer:
+        case proto::OptionType::number: return text.empty() ? "NUMBER" : "NUMBER|" + text;
+    }
+    return text;
+}
+
+/// One flag for every conversion option of the given groups; an empty list takes all.
+void addConversionOptions(CLI::App& command, Parsed& parsed, const std::string& onlyGroup) {
+    for (const proto::OptionInfo& info : proto::optionInfos()) {
+        if (!onlyGroup.empty() && info.group != onlyGroup) continue;
+        command
+            .add_option_function<std::string>(
+                flagName(info.name),
+                [&parsed, name = info.name](const std::string& value) {
+                    parsed.options[name] = value;
+                },
+                info.sentence)
+            ->type_name(valueName(info))
+            ->group("Conversion: " + info.group);
+    }
+}
+
+void addCommon(CLI::App& app, Parsed& parsed) {
+    app.add_option("--server", parsed.invocation.server,
+                   "http://HOST:PORT or unix:/PATH; without it a server is started for this run")
+        ->envname("RIVAGE_SERVER")
+        ->type_name("URL");
+    app.add_option("--timeout", parsed.seconds, "Seconds for each input, waiting included")
+        ->capture_default_str()
+        ->check(CLI::Range(0.001, 1e6))
+        ->type_name("SECONDS");
+    app.add_flag("-q,--quiet", parsed.invocation.quiet, "Say nothing but errors");
+    app.add_flag("--json", parsed.invocation.json, "Print JSON on stdout, one line for each input");
+}
+
+CLI::Option* addOut(CLI::App& command, Parsed& parsed, const std::string& sentence) {
+    return command.add_option("-o,--out", parsed.invocation.out, sentence)->type_name("PATH");
+}
+
+void addCommands(CLI::App& app, Parsed& parsed) {
+    CLI::App* regularize =
+        app.add_subcommand("regularize", "Convert voxel grids into smooth surfaces ('-' is stdin)");
+    regularize->add_option("IN", parsed.invocation.inputs, "Grids: .vox, .npy, raw")->required();
+    addOut(*regularize, parsed, "A file, a folder, or '-' for stdout [beside the input]");
+    addConversionOptions(*regularize, parsed, {});
+
+    CLI::App* inspect = app.add_subcommand("inspect", "Tell what is in a grid");
+    inspect->add_option("IN", parsed.invocation.inputs, "A grid, '-' is stdin")
+        ->required()
+        ->expected(1);
+    addConversionOptions(*inspect, parsed, "input");
+
+    CLI::App* sample = app.add_subcommand("sample", "Write a sample scene as .vox");
+    CLI::Option* list = sample->add_flag("--list", parsed.list, "List the samples");
+    sample->add_option("NAME", parsed.invocation.inputs, "Which one")->expected(1)->excludes(list);
+    addOut(*sample, parsed, "A file, or '-' for stdout [NAME.vox]")->excludes(list);
+
+    app.add_subcommand("options", "List the conversion options of the server");
+    app.add_subcommand("health", "Ask whether the server takes work");
+}
+
+/// What is wrong with a command line that CLI11 refused, naming a command that does not exist.
+std::string complaint(const CLI::App& app, const std::vector<std::string>& arguments,
+                      const CLI::ParseError& error) {
+    const auto word = std::find_if(arguments.begin(), arguments.end(),
+                                   [](const std::string& text) { return !text.starts_with('-'); });
+    const bool missing = word == arguments.end();
+    std::string known;
+    for (const CLI::App* command : app.get_subcommands({})) {
+        if (!missing && command->get_name() == *word) return error.what();
+        known += (known.empty() ? "" : ", ") + command->get_name();
+    }
+    if (error.get_name() != "RequiredError") return error.what();
+    return (missing ? "a command is missing" : "there is no command " + proto::inQuotes(*word)) +
+           "; there are " + known;
+}
+
+tl::unexpected<ExitCode> complain(Console& console, const std::string& text) {
+    console.err << "rivage: " << text << "\nRun with --help for more information.\n";
+    return tl::unexpected(ExitCode::usage);
+}
+
+CommandLine finish(const CLI::App& app, Parsed& parsed, Console& console) {
+    static const std::map<std::string, Command> kCommands{{"regularize", Command::regularize},
+                                                          {"inspect", Command::inspect},
+                                                          {"sample", Command::sample},
+                                                          {"options", Command::options},
+                                                          {"health", Command::health}};
+    Invocation& invocation = parsed.invocation;
+    invocation.command = kCommands.at(app.get_subcommands().front()->get_name());
+    invocation.timeout =
+        std::chrono::milliseconds(static_cast<std::int64_t>(1000 * parsed.seconds));
+    for (auto& [name, value] : parsed.options) invocation.options.push_back({name, value});
+    if (const auto valid = proto::parseOptions(invocation.options); !valid)
+        return complain(console, valid.error().message);
+    if (invocation.command == Command::sample) {
+        if (parsed.list)
+            invocation.command = Command::listSamples;
+        else if (invocation.inputs.empty())
+            return complain(console, "sample needs NAME or --list");
+    }
+    return std::move(invocation);
+}
+
+}  // namespace
+
+CommandLine parseCommandLine(const std::vector<std::string>& arguments, Console& console) {
+    CLI::App app("Rivage turns voxel art into smooth surfaces.", "rivage");
+    app.set_version_flag("--version", "rivage " RIVAGE_VERSION);
+    app.require_subcommand(1);
+    app.fallthrough();
+    Parsed parsed;
+    addCommon(app, parsed);
+    addCommands(app, parsed);
+    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // CLI11 wants it so
+    try {
+        app.parse(std::move(reversed));
+    } catch (const CLI::Success& done) {
+        app.exit(done, console.out, console.err);
+        return tl::unexpected(ExitCode::ok);
+    } catch (const CLI::ParseError& error) {
+        return complain(console, complaint(app, arguments, error));
+    }
+    return finish(app, parsed, console);
+}
+
+}  // namespace rivage::client

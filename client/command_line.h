@@ -1,0 +1,43 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "client/console.h"
+#include "client/exit_code.h"
+#include "client/interrupt.h"
+#include "client/transport.h"
+#include "proto/options.h"
+
+namespace rivage::client {
+
+enum class Command : std::uint8_t { regularize, inspect, sample, listSamples, options, health };
+
+/// A command line, read and checked.
+struct Invocation {
+    Command command = Command::health;
+    std::vector<std::string> inputs;             ///< files, or the name of the sample
+    std::string out;                             ///< empty: not given
+    std::vector<proto::OptionText> options;      ///< the conversion options that were given
+    std::string server;                          ///< empty: one of our own
+    std::chrono::milliseconds timeout{600'000};  ///< for each input
+    bool quiet = false;
+    bool json = false;
+    RetryPolicy retry = {};
+};
+
+/// Either what to do, or the exit code if there is nothing (more) to do.
+using CommandLine = tl::expected<Invocation, ExitCode>;
+
+/// Reads the command line; help, the version and complaints go to the console.
+/// @param arguments  without the name of the program
+[[nodiscard]] CommandLine parseCommandLine(const std::vector<std::string>& arguments,
+                                           Console& console);
+
+/// Does what a command line asks for.
+[[nodiscard]] ExitCode runCommand(const Invocation& invocation, Console& console,
+                                  Interrupt& interrupt);
+
+}  // namespace rivage::client

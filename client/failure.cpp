@@ -1,0 +1,77 @@
+#include "client/failure.h"
+
+#include <utility>
+
+namespace rivage::client {
+namespace {
+
+using proto::Json;
+
+/// What an HTTP status means to whoever ran the command.
+ExitCode exitOf(int status) {
+    switch (status) {
+        case 408:
+        case 429:
+        case 503:
+        case 504: return ExitCode::busy;
+        case 409: return ExitCode::cancelled;
+        case 502: return ExitCode::unreachable;
+        default: return status >= 400 && status < 500 ? ExitCode::refused : ExitCode::failed;
+    }
+}
+
+/// One line of text: control characters would reach the terminal.
+std::string printable(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+    return text;
+}
+
+}  // namespace
+
+tl::unexpected<Failure> fail(ExitCode exit, std::string title, std::string detail) {
+    Json problem{{"title", std::move(title)}};
+    if (!detail.empty()) problem["detail"] = std::move(detail);
+    return tl::unexpected<Failure>(Failure{exit, std::move(problem)});
+}
+
+Failure failureOf(int status, std::string_view body) {
+    Json problem = Json::parse(body, nullptr, false);
+    if (!problem.is_object() || !problem.contains("title"))
+        problem = Json{{"title", "The server answered " + std::to_string(status)}};
+    return {exitOf(status), std::move(problem)};
+}
+
+Failure failureOf(const Json& problem) {
+    const int status = static_cast<int>(numberOf(problem, "status", 500));
+    return failureOf(status, proto::writeJson(problem));
+}
+
+std::string describe(const Failure& failure) {
+    const Json& problem = failure.problem;
+    std::string text = textOf(problem, "title");
+    const std::string detail = textOf(problem, "detail");
+    if (!detail.empty()) text += ": " + detail;
+    text = printable(std::move(text));
+    for (const char* name : {"field", "limit", "actual", "setting"}) {
+        const auto member = problem.find(name);
+        if (member == problem.end()) continue;
+        const std::string value =
+            member->is_string() ? member->get<std::string>() : proto::writeJson(*member);
+        text += std::string("\n  ") + name + ": " + printable(value);
+    }
+    return text;
+}
+
+std::string textOf(const Json& object, const char* name) {
+    const auto member = object.find(name);
+    return member != object.end() && member->is_string() ? member->get<std::string>()
+                                                         : std::string();
+}
+
+double numberOf(const Json& object, const char* name, double otherwise) {
+    const auto member = object.find(name);
+    return member != object.end() && member->is_number() ? member->get<double>() : otherwise;
+}
+
+}  // namespace rivage::client

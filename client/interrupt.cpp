@@ -1,0 +1,75 @@
+#include "client/interrupt.h"
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <array>
+#include <utility>
+
+namespace rivage::client {
+namespace {
+
+sigset_t stopSignals() {
+    sigset_t set;
+    sigemptyset(&set);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&set, signal);
+    return set;
+}
+
+}  // namespace
+
+void Interrupt::request() {
+    const std::lock_guard lock(mutex_);
+    requested_ = true;
+    changed_.notify_all();
+    if (breakOff_) breakOff_();
+}
+
+bool Interrupt::requested() const {
+    const std::lock_guard lock(mutex_);
+    return requested_;
+}
+
+bool Interrupt::sleep(std::chrono::milliseconds duration) const {
+    std::unique_lock lock(mutex_);
+    return !changed_.wait_for(lock, duration, [&] { return requested_; });
+}
+
+void Interrupt::setBreak(std::function<void()> breakOff) {
+    const std::lock_guard lock(mutex_);
+    breakOff_ = std::move(breakOff);
+}
+
+SignalWatcher::SignalWatcher(Interrupt& interrupt) {
+    const sigset_t set = stopSignals();
+    pthread_sigmask(SIG_BLOCK, &set, nullptr);
+    signals_ = signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
+    end_ = eventfd(0, EFD_CLOEXEC);
+    thread_ = std::thread([this, &interrupt] { watch(interrupt); });
+}
+
+SignalWatcher::~SignalWatcher() {
+    eventfd_write(end_, 1);
+    thread_.join();
+    close(signals_);
+    close(end_);
+}
+
+void SignalWatcher::watch(Interrupt& interrupt) const {
+    std::array<pollfd, 2> files{{{signals_, POLLIN, 0}, {end_, POLLIN, 0}}};
+    for (;;) {
+        // A stop may come just before the request that it has to break off has a connection, so
+        // it is repeated until the run is over.
+        const int patience = interrupt.requested() ? 50 : -1;
+        if (poll(files.data(), files.size(), patience) < 0) continue;
+        if (files[1].revents != 0) return;
+        signalfd_siginfo info;
+        const bool signalled = read(signals_, &info, sizeof info) == sizeof info;
+        if (signalled || interrupt.requested()) interrupt.request();
+    }
+}
+
+}  // namespace rivage::client
