@@ -23,18 +23,18 @@ using WallTime = std::chrono::system_clock::time_point;
 struct JobView {
     std::string id;
     JobState state = JobState::queued;
-    std::optional<core::Stage> stage = {};  ///< the one that runs, or that it ended in
-    double progress = 0;                    ///< 0..1, never falls
+    std::optional<core::Stage> stage = {};          ///< the one that runs, or that it ended in
+    double progress = 0;                            ///< 0..1, never falls
     std::optional<std::size_t> queuePosition = {};  ///< 0 is next
-    int attempt = 0;                        ///< how often it was started
+    int attempt = 0;                                ///< how often it was started
     WallTime created = {};
     std::optional<WallTime> started = {};
     std::optional<WallTime> finished = {};
     std::optional<WallTime> expiresAt = {};
     Json options = Json::object();
-    Json report;                            ///< null until it succeeded
+    Json report;  ///< null until it succeeded
     std::optional<Problem> error = {};
-    bool hasResult = false;                 ///< the bytes are still there
+    bool hasResult = false;  ///< the bytes are still there
 };
 
 [[nodiscard]] Json toJson(const JobView& job);

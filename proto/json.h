@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 /// Limits of a JSON text that a client sends.
 struct JsonLimits {
     std::size_t maxBytes = 64 << 10;
-    std::size_t maxDepth = 32;    ///< nested arrays and objects
+    std::size_t maxDepth = 32;      ///< nested arrays and objects
     std::size_t maxMembers = 5000;  ///< of one object
 };
 

@@ -21,8 +21,8 @@ Option choice(std::string name, std::string group, std::vector<std::string> word
         ConversionOptions copy = options.conversion;
         return words[static_cast<std::size_t>(reference(copy))];
     };
-    option.info = {std::move(name), std::move(group), OptionType::choice, std::move(words),
-                   0, 0, std::move(sentence)};
+    option.info = {std::move(name),    std::move(group), OptionType::choice, std::move(words), 0, 0,
+                   std::move(sentence)};
     return option;
 }
 
@@ -50,7 +50,12 @@ Option number(std::string name, std::string group, Range range, std::string sent
     using Target = std::decay_t<decltype(reference(std::declval<ConversionOptions&>()))>;
     constexpr OptionType kType =
         std::is_integral_v<Target> ? OptionType::integer : OptionType::number;
-    return {{std::move(name), std::move(group), kType, {}, range.minimum, range.maximum,
+    return {{std::move(name),
+             std::move(group),
+             kType,
+             {},
+             range.minimum,
+             range.maximum,
              std::move(sentence)},
             [reference](JobOptions& options, const OptionValue& value) {
                 reference(options.conversion) = static_cast<Target>(std::get<double>(value));
@@ -69,11 +74,18 @@ Option numberOr(const std::string& word, std::string name, std::string group, Ra
         typename std::decay_t<decltype(reference(std::declval<ConversionOptions&>()))>::value_type;
     constexpr OptionType kType =
         std::is_integral_v<Target> ? OptionType::integer : OptionType::number;
-    return {{std::move(name), std::move(group), kType, {word}, range.minimum, range.maximum,
+    return {{std::move(name),
+             std::move(group),
+             kType,
+             {word},
+             range.minimum,
+             range.maximum,
              std::move(sentence)},
             [reference](JobOptions& options, const OptionValue& value) {
-                if (std::holds_alternative<Word>(value)) reference(options.conversion).reset();
-                else reference(options.conversion) = static_cast<Target>(std::get<double>(value));
+                if (std::holds_alternative<Word>(value))
+                    reference(options.conversion).reset();
+                else
+                    reference(options.conversion) = static_cast<Target>(std::get<double>(value));
             },
             [reference, word](const JobOptions& options) -> Json {
                 ConversionOptions copy = options.conversion;
@@ -99,7 +111,12 @@ bool isDraco(const ConversionOptions& options) {
 }
 
 Option dimsOption() {
-    return {{"dims", "input", OptionType::dims, {}, 1, 65536,
+    return {{"dims",
+             "input",
+             OptionType::dims,
+             {},
+             1,
+             65536,
              "Voxels along x, y and z of a raw grid, x fastest in memory."},
             [](JobOptions& options, const OptionValue& value) {
                 options.conversion.input.dims = std::get<core::Vec3i>(value);
@@ -141,17 +158,18 @@ Option labelsOption() {
 /// `auto` leaves what the preset chose, so it is a word that no method is numbered by.
 Option normalsOption() {
     const std::vector<std::string> words{"auto", "trivial", "convolved", "integral-invariant"};
-    return {{"normals", "method", OptionType::choice, words, 0, 0,
-             "How the normal of each voxel face is estimated; auto is the preset's method."},
-            [](JobOptions& options, const OptionValue& value) {
-                const std::size_t index = std::get<Word>(value).index;
-                if (index > 0)
-                    options.conversion.method.normals.method =
-                        static_cast<core::NormalMethod>(index - 1);
-            },
-            [words](const JobOptions& options) -> Json {
-                return words[1 + static_cast<std::size_t>(options.conversion.method.normals.method)];
-            }};
+    return {
+        {"normals", "method", OptionType::choice, words, 0, 0,
+         "How the normal of each voxel face is estimated; auto is the preset's method."},
+        [](JobOptions& options, const OptionValue& value) {
+            const std::size_t index = std::get<Word>(value).index;
+            if (index > 0)
+                options.conversion.method.normals.method =
+                    static_cast<core::NormalMethod>(index - 1);
+        },
+        [words](const JobOptions& options) -> Json {
+            return words[1 + static_cast<std::size_t>(options.conversion.method.normals.method)];
+        }};
 }
 
 /// Setting the preset sets every method option, so it has to come first.
@@ -169,7 +187,12 @@ Option presetOption() {
 }
 
 Option deadlineOption() {
-    return {{"deadline_ms", "run", OptionType::integer, {}, 1, 86400000,
+    return {{"deadline_ms",
+             "run",
+             OptionType::integer,
+             {},
+             1,
+             86400000,
              "Milliseconds from acceptance to the end, at most the server's deadline, which is the "
              "default; waiting in the queue counts."},
             [](JobOptions& options, const OptionValue& value) {
@@ -182,17 +205,17 @@ Option deadlineOption() {
 
 void addInput(std::vector<Option>& table) {
     const auto input = [](auto member) {
-        return [member](ConversionOptions& o) -> auto& { return o.input.*member; };
+        return [member](ConversionOptions & o) -> auto& { return o.input.*member; };
     };
     table.push_back(choice("format", "input", {"auto", "vox", "npy", "raw"},
                            "Format of the grid; auto looks at the bytes.",
                            input(&core::InputOptions::format)));
     table.push_back(onlyWith("format=raw", dimsOption(), isRaw));
-    table.push_back(onlyWith("format=raw",
-                             choice("type", "input", {"u8", "u16"},
-                                    "Type of the values of a raw grid, little-endian.",
-                                    input(&core::InputOptions::rawType)),
-                             isRaw));
+    table.push_back(onlyWith(
+        "format=raw",
+        choice("type", "input", {"u8", "u16"}, "Type of the values of a raw grid, little-endian.",
+               input(&core::InputOptions::rawType)),
+        isRaw));
     table.push_back(labelsOption());
 
     Option hidden = choice("hidden", "input", {"skip", "keep"},
@@ -206,7 +229,7 @@ void addInput(std::vector<Option>& table) {
 
 void addEnergy(std::vector<Option>& table) {
     const auto energy = [](auto member) {
-        return [member](ConversionOptions& o) -> auto& { return o.method.energy.*member; };
+        return [member](ConversionOptions & o) -> auto& { return o.method.energy.*member; };
     };
     table.push_back(presetOption());
     table.push_back(number("alpha", "method", {1e-9, 1e6},
@@ -229,19 +252,18 @@ void addEnergy(std::vector<Option>& table) {
 
 void addSolve(std::vector<Option>& table) {
     const auto solve = [](auto member) {
-        return [member](ConversionOptions& o) -> auto& { return o.method.solve.*member; };
+        return [member](ConversionOptions & o) -> auto& { return o.method.solve.*member; };
     };
     table.push_back(normalsOption());
-    table.push_back(number("radius", "method", {0.5, 32},
-                           "Radius of the normal estimation, in voxels.",
-                           [](ConversionOptions& o) -> double& { return o.method.normals.radius; }));
+    table.push_back(
+        number("radius", "method", {0.5, 32}, "Radius of the normal estimation, in voxels.",
+               [](ConversionOptions& o) -> double& { return o.method.normals.radius; }));
     table.push_back(numberOr("none", "displacement_limit", "method", {0.001, 16},
                              "How far a vertex may move along each axis, in voxels; below 0.5 "
                              "every voxel centre keeps its side.",
                              solve(&core::SolveOptions::displacementLimit)));
     table.push_back(
-        choice("solver", "method",
-               {"auto", "pcg", "projected", "gradient-descent", "cholesky"},
+        choice("solver", "method", {"auto", "pcg", "projected", "gradient-descent", "cholesky"},
                "The minimizer; auto takes projected with a displacement limit, else pcg.",
                solve(&core::SolveOptions::solver)));
     table.push_back(number("tolerance", "method", {1e-14, 0.1},
@@ -256,7 +278,7 @@ void addSolve(std::vector<Option>& table) {
 
 void addOutput(std::vector<Option>& table) {
     const auto output = [](auto member) {
-        return [member](ConversionOptions& o) -> auto& { return o.output.*member; };
+        return [member](ConversionOptions & o) -> auto& { return o.output.*member; };
     };
     using core::OutputOptions;
     table.push_back(choice("output", "output", {"glb", "obj"}, "Format of the result.",
@@ -284,7 +306,7 @@ void addOutput(std::vector<Option>& table) {
 
 void addCompression(std::vector<Option>& table) {
     const auto output = [](auto member) {
-        return [member](ConversionOptions& o) -> auto& { return o.output.*member; };
+        return [member](ConversionOptions & o) -> auto& { return o.output.*member; };
     };
     using core::OutputOptions;
     const std::string draco = "output=glb and compression=draco";
@@ -301,12 +323,11 @@ void addCompression(std::vector<Option>& table) {
                           "Bits of a Draco position; auto keeps the step below 0.01 voxel.",
                           output(&OutputOptions::dracoPositionBits)),
                  isDraco));
-    table.push_back(
-        onlyWith(draco,
-                 number("draco_speed", "output", {0, 10},
-                        "Draco's speed: 0 gives the smallest file, 10 is the fastest.",
-                        output(&OutputOptions::dracoSpeed)),
-                 isDraco));
+    table.push_back(onlyWith(draco,
+                             number("draco_speed", "output", {0, 10},
+                                    "Draco's speed: 0 gives the smallest file, 10 is the fastest.",
+                                    output(&OutputOptions::dracoSpeed)),
+                             isDraco));
 }
 
 std::vector<Option> makeTable() {

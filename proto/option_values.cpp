@@ -148,8 +148,7 @@ std::string allowedValues(const OptionInfo& info) {
         case OptionType::number: return "a number from " + range + orWords;
         case OptionType::dims: return "three sizes from " + range + " such as 64x68x40";
         case OptionType::labels:
-            return listed(info.words) +
-                   ", or a map such as {\"sea\":[12,13],\"island\":\"*\"}";
+            return listed(info.words) + ", or a map such as {\"sea\":[12,13],\"island\":\"*\"}";
     }
     return {};
 }
@@ -187,8 +186,8 @@ Result<OptionValue> parseValue(const OptionInfo& info, std::string_view text) {
 }
 
 Result<OptionValue> parseValue(const OptionInfo& info, const Json& value) {
-    const auto word = value.is_string() ? readWord(info, value.get_ref<const std::string&>())
-                                        : std::nullopt;
+    const auto word =
+        value.is_string() ? readWord(info, value.get_ref<const std::string&>()) : std::nullopt;
     switch (info.type) {
         case OptionType::choice:
             if (word) return *word;
@@ -224,8 +223,7 @@ std::string nearestName(std::string_view text, const std::vector<std::string>& n
             std::size_t diagonal = std::exchange(row[0], i);
             for (std::size_t j = 1; j <= name.size(); ++j) {
                 const std::size_t replaced = diagonal + (text[i - 1] != name[j - 1]);
-                diagonal = std::exchange(row[j],
-                                         std::min({replaced, row[j] + 1, row[j - 1] + 1}));
+                diagonal = std::exchange(row[j], std::min({replaced, row[j] + 1, row[j - 1] + 1}));
             }
         }
         if (row.back() < best) {

@@ -132,18 +132,15 @@ Result<JobOptions> parseOptions(std::span<const OptionText> text, std::string_vi
     if (!json.empty())
         if (auto read = readJsonOptions(json, given); !read) return fail(read.error());
 
-    std::stable_partition(given.begin(), given.end(), [](const Given& one) {
-        return one.option->info.name == "preset";
-    });
+    std::stable_partition(given.begin(), given.end(),
+                          [](const Given& one) { return one.option->info.name == "preset"; });
     JobOptions options = defaults();
     for (const Given& one : given) one.option->set(options, one.value);
     if (auto checked = checkTogether(options, given); !checked) return fail(checked.error());
     return options;
 }
 
-Json toJson(const core::ConversionOptions& options) {
-    return effective(JobOptions{options, {}});
-}
+Json toJson(const core::ConversionOptions& options) { return effective(JobOptions{options, {}}); }
 
 Json toJson(const JobOptions& options) { return effective(options); }
 
@@ -156,10 +153,10 @@ Json describeOptions() {
         if (!info.words.empty()) entry["values"] = info.words;
         if (info.type != OptionType::choice && info.type != OptionType::flag) {
             const bool whole = info.type != OptionType::number;
-            entry["minimum"] = whole ? Json(static_cast<std::int64_t>(info.minimum))
-                                     : Json(info.minimum);
-            entry["maximum"] = whole ? Json(static_cast<std::int64_t>(info.maximum))
-                                     : Json(info.maximum);
+            entry["minimum"] =
+                whole ? Json(static_cast<std::int64_t>(info.minimum)) : Json(info.minimum);
+            entry["maximum"] =
+                whole ? Json(static_cast<std::int64_t>(info.maximum)) : Json(info.maximum);
         }
         entry["default"] = option.get(normal);
         if (Json presets = presetDefaults(option, entry["default"]); !presets.empty())

@@ -72,8 +72,12 @@ ProblemType transportProblemType(int status) {
 }
 
 Problem makeProblem(const core::Error& error) {
-    return {problemType(error.code), error.message, error.field,
-            error.limit,             error.actual,  error.setting};
+    return {problemType(error.code),
+            error.message,
+            error.field,
+            error.limit,
+            error.actual,
+            error.setting};
 }
 
 Json toJson(const Problem& problem) {

@@ -14,7 +14,7 @@ namespace rivage::proto {
 /// A kind of failure as the HTTP interface names it (RFC 9457).
 struct ProblemType {
     int status = 500;
-    std::string_view slug;   ///< the type URI is "/problems/" + slug
+    std::string_view slug;  ///< the type URI is "/problems/" + slug
     std::string_view title;
 };
 
@@ -22,11 +22,11 @@ struct ProblemType {
 struct Problem {
     ProblemType type;
     std::string detail = {};
-    std::string field = {};                    ///< JSON pointer
+    std::string field = {};  ///< JSON pointer
     std::optional<std::uint64_t> limit = {};
     std::optional<std::uint64_t> actual = {};
-    std::string setting = {};                  ///< the server flag that raises the limit
-    std::string instance = {};                 ///< URI of the job that failed
+    std::string setting = {};   ///< the server flag that raises the limit
+    std::string instance = {};  ///< URI of the job that failed
 };
 
 inline constexpr const char* kProblemMediaType = "application/problem+json";

@@ -76,10 +76,8 @@ int serve(const Settings& settings) {
     tuneMemory();
 
     JobPool pool(settings.pool(), coreEngine(), logJob);
-    Service service{.pool = pool,
-                    .limits = settings.limits(),
-                    .samples = coreSamples(),
-                    .assets = webAssets()};
+    Service service{
+        .pool = pool, .limits = settings.limits(), .samples = coreSamples(), .assets = webAssets()};
     HttpServer http({.connections = settings.connections, .observer = logRequest}, service);
     AdminServer admin(service);
 

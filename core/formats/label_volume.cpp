@@ -84,7 +84,7 @@ Result<ValueTable> collectValues(std::span<const std::byte> values, const ValueT
             return fail(
                 Error{ErrorCode::tooManyLabels,
                       "the grid has more than " + std::to_string(limit) + " distinct values",
-                      "/grid", limit, distinct, "max-materials"});
+                      "/grid", limit, distinct, "--max-materials"});
     }
     return table;
 }
@@ -127,13 +127,13 @@ Result<std::uint64_t> checkVolumeSize(const Vec3i& size, const ValueType& type,
         return fail(Error{ErrorCode::tooLarge,
                           "a volume of " + sizeText(size) + " values takes more than " +
                               std::to_string(limits.maxInputBytes) + " bytes",
-                          field, limits.maxInputBytes, bytes, "max-upload"});
+                          field, limits.maxInputBytes, bytes, "--max-upload"});
     const auto extent = static_cast<std::uint64_t>(size.maxCoeff());
     if (extent > limits.maxExtent)
         return fail(Error{ErrorCode::tooLarge,
                           "the volume " + sizeText(size) + " is more than " +
                               std::to_string(limits.maxExtent) + " voxels long",
-                          field, limits.maxExtent, extent, "max-extent"});
+                          field, limits.maxExtent, extent, "--max-extent"});
     return *bytes;
 }
 
@@ -146,7 +146,7 @@ Result<Scene> sceneFromVolume(std::span<const std::byte> values, const ValueType
         return fail(Error{ErrorCode::memoryBudget,
                           "a grid of " + sizeText(size) + " voxels needs up to " +
                               std::to_string(memory) + " bytes",
-                          "/grid", run.limits.maxMemory, memory, "memory-budget"});
+                          "/grid", run.limits.maxMemory, memory, "--memory-budget"});
     const std::size_t sliceBytes = static_cast<std::size_t>(size.x()) * size.y() * type.bytes;
     Result<ValueTable> table = collectValues(values, type, sliceBytes, run);
     if (!table) return fail(std::move(table.error()));

@@ -53,7 +53,7 @@ Result<Scene> readScene(std::span<const std::byte> bytes, const InputOptions& op
         return fail(Error{ErrorCode::tooLarge,
                           "the grid has " + std::to_string(bytes.size()) + " bytes, at most " +
                               std::to_string(run.limits.maxInputBytes) + " are allowed",
-                          "/grid", run.limits.maxInputBytes, bytes.size(), "max-upload"});
+                          "/grid", run.limits.maxInputBytes, bytes.size(), "--max-upload"});
     if (bytes.empty()) return fail(ErrorCode::malformedInput, "the grid has no bytes", "/grid");
     const std::string_view head(reinterpret_cast<const char*>(bytes.data()),
                                 std::min<std::size_t>(bytes.size(), 16));

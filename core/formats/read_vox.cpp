@@ -57,7 +57,7 @@ Result<std::vector<BrickGrid>> buildModels(const VoxDocument& document, const Ru
             return fail(Error{
                 ErrorCode::memoryBudget,
                 "the models need more than " + std::to_string(run.limits.maxMemory) + " bytes",
-                "/grid/models", run.limits.maxMemory, memory, "memory-budget"});
+                "/grid/models", run.limits.maxMemory, memory, "--memory-budget"});
     }
     std::vector<BrickGrid> models;
     models.reserve(document.models.size());

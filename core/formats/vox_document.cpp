@@ -73,7 +73,7 @@ Result<void> DocumentBuilder::addSize(std::span<const std::byte> content) {
     if (sizePending_) return voxError("two SIZE chunks without an XYZI between them", modelField());
     if (document_.models.size() >= limits_.maxModels)
         return fail(Error{ErrorCode::tooLarge, "the scene has too many models", "/grid/models",
-                          limits_.maxModels, document_.models.size() + 1, "max-models"});
+                          limits_.maxModels, document_.models.size() + 1, "--max-models"});
     if (content.size() != 12)
         return voxError("a SIZE chunk must hold 12 bytes", modelField("/size"));
     ByteReader reader(content);
@@ -141,7 +141,7 @@ Result<void> DocumentBuilder::addNode(Result<VoxNode> node) {
     const std::uint64_t limit = limits_.maxModels * kNodesPerModel;
     if (document_.nodes.size() >= limit)
         return fail(Error{ErrorCode::tooLarge, "the scene graph has too many nodes", "/grid/nodes",
-                          limit, document_.nodes.size() + 1, "max-models"});
+                          limit, document_.nodes.size() + 1, "--max-models"});
     document_.nodes.push_back(*std::move(node));
     return {};
 }

@@ -132,7 +132,7 @@ tl::unexpected<Error> tooManyInstances(const Limits& limits) {
     return fail(Error{
         ErrorCode::tooLarge,
         "the scene graph unfolds to more than " + std::to_string(limits.maxModels) + " instances",
-        "/grid/nodes", limits.maxModels, std::nullopt, "max-models"});
+        "/grid/nodes", limits.maxModels, std::nullopt, "--max-models"});
 }
 
 Result<std::vector<Instance>> unfold(const Graph& graph, const Limits& limits) {

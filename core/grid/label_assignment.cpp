@@ -112,7 +112,7 @@ Result<IdVector<Label, std::string>> assignLabels(IdVector<MaterialId, Material>
         return fail(Error{ErrorCode::tooManyLabels,
                           "the grid has " + std::to_string(names.size()) + " labels, at most " +
                               std::to_string(limit) + " are allowed",
-                          kField, limit, names.size(), "max-labels"});
+                          kField, limit, names.size(), "--max-labels"});
 
     IdVector<Label, std::string> labels(1);
     std::map<std::uint64_t, Label> labelOf{{kNoLabel, Label{0}}};

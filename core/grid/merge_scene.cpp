@@ -159,12 +159,12 @@ Result<Box> sceneBox(const Scene& scene, const std::vector<Placed>& placed, cons
         return fail(Error{ErrorCode::tooLarge,
                           "the scene is " + std::to_string(extent) + " voxels long, at most " +
                               std::to_string(run.limits.maxExtent) + " are allowed",
-                          "/grid", run.limits.maxExtent, extent, "max-extent"});
+                          "/grid", run.limits.maxExtent, extent, "--max-extent"});
     if (cells / kCellsPerVoxel > run.limits.maxVoxels)
         return fail(Error{
             ErrorCode::tooLarge,
             "the instances of the scene hold " + std::to_string(cells) + " cells, overlaps counted",
-            "/grid", run.limits.maxVoxels * kCellsPerVoxel, cells, "max-voxels"});
+            "/grid", run.limits.maxVoxels * kCellsPerVoxel, cells, "--max-voxels"});
     return *box;
 }
 
@@ -182,7 +182,7 @@ Result<void> checkMemory(const Scene& scene, const std::vector<Placed>& placed, 
         return fail(Error{
             ErrorCode::memoryBudget,
             "the merged grid needs more than " + std::to_string(run.limits.maxMemory) + " bytes",
-            "/grid", run.limits.maxMemory, memory, "memory-budget"});
+            "/grid", run.limits.maxMemory, memory, "--memory-budget"});
     };
     if (Result<void> fits = budget(); !fits) return fits;
 
@@ -233,7 +233,7 @@ Result<BrickGrid> mergeVoxels(const std::vector<Placed>& placed, const Box& box,
         return fail(Error{ErrorCode::tooLarge,
                           "the grid has " + std::to_string(voxels) + " voxels, at most " +
                               std::to_string(run.limits.maxVoxels) + " are allowed",
-                          "/grid", run.limits.maxVoxels, voxels, "max-voxels"});
+                          "/grid", run.limits.maxVoxels, voxels, "--max-voxels"});
     return merged;
 }
 
@@ -299,7 +299,7 @@ Result<VoxelGrid> mergeScene(const Scene& scene, const InputOptions& options,
         return fail(Error{ErrorCode::tooManyLabels,
                           "the grid uses " + std::to_string(distinct) + " materials, at most " +
                               std::to_string(run.limits.maxMaterials) + " are allowed",
-                          "/grid", run.limits.maxMaterials, distinct, "max-materials"});
+                          "/grid", run.limits.maxMaterials, distinct, "--max-materials"});
     IdVector<MaterialId, Material> materials = scene.materials;
     auto labels = assignLabels(materials, used, scene.format, options, run.limits);
     if (!labels) return fail(std::move(labels.error()));

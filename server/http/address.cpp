@@ -54,8 +54,7 @@ core::Result<Address> parseAddress(const std::string& text) {
         return fail(ErrorCode::invalidOption,
                     "\"" + text + "\" is not host:port, [ipv6]:port or unix:/path");
     const std::string_view port = std::string_view(text).substr(colon + 1);
-    const auto [end, error] =
-        std::from_chars(port.data(), port.data() + port.size(), address.port);
+    const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), address.port);
     if (error != std::errc() || end != port.data() + port.size() || address.port < 0 ||
         address.port > 65535)
         return fail(ErrorCode::invalidOption, "the port of \"" + text + "\" is not 0 to 65535");
@@ -67,7 +66,7 @@ core::Result<Address> parseAddress(const std::string& text) {
 }
 
 core::Result<void> clearStaleSocket(const std::string& path) {
-    struct stat status{};
+    struct stat status {};
     if (::lstat(path.c_str(), &status) != 0) return {};
     if (!S_ISSOCK(status.st_mode))
         return fail(ErrorCode::invalidOption, path + " exists and is not a socket");

@@ -37,21 +37,20 @@ AdminServer::AdminServer(Service& service) {
     server_.Get("/metrics", [&service](const httplib::Request&, httplib::Response& response) {
         response.set_content(metricsText(service.pool), "text/plain; version=0.0.4");
     });
-    server_.set_error_handler([&service](const httplib::Request& request,
-                                         httplib::Response& response) {
-        requestId(request, response);
-        if (!response.body.empty()) return;
-        proto::Problem problem{proto::transportProblemType(response.status)};
-        problem.type.status = response.status;
-        writeProblem(service, response, problem);
-    });
+    server_.set_error_handler(
+        [&service](const httplib::Request& request, httplib::Response& response) {
+            requestId(request, response);
+            if (!response.body.empty()) return;
+            proto::Problem problem{proto::transportProblemType(response.status)};
+            problem.type.status = response.status;
+            writeProblem(service, response, problem);
+        });
 }
 
 AdminServer::~AdminServer() { stop(); }
 
 core::Result<Address> AdminServer::start(const Address& address) {
-    if (address.isUnix())
-        return fail(ErrorCode::invalidOption, "the admin address is host:port");
+    if (address.isUnix()) return fail(ErrorCode::invalidOption, "the admin address is host:port");
     Address bound = address;
     const bool any = address.port == 0;
     if (any) bound.port = server_.bind_to_any_port(address.host);

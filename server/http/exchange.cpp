@@ -30,8 +30,7 @@ void writeProblem(const Service& service, httplib::Response& response,
     response.status = problem.type.status;
     if (problem.type.status == 503)
         response.set_header("Retry-After", std::to_string(service.pool.retryAfter().count()));
-    response.set_content(proto::writeJson(proto::toJson(problem)) + "\n",
-                         proto::kProblemMediaType);
+    response.set_content(proto::writeJson(proto::toJson(problem)) + "\n", proto::kProblemMediaType);
 }
 
 void writeProblem(Exchange& exchange, const proto::Problem& problem) {

@@ -25,8 +25,10 @@ constexpr std::size_t kBodyOverhead = 1 << 20;
 std::string libraryPattern(std::string_view path) {
     std::string pattern;
     for (const char c : path)
-        if (c == '{') pattern += ':';
-        else if (c != '}') pattern += c;
+        if (c == '{')
+            pattern += ':';
+        else if (c != '}')
+            pattern += c;
     return pattern;
 }
 
@@ -95,19 +97,21 @@ void HttpServer::setHooks() {
         [this](const httplib::Request& request, httplib::Response& response) {
             return beforeRouting(request, response);
         });
-    server_.set_error_handler([this](const httplib::Request& request,
-                                     httplib::Response& response) { explain(request, response); });
-    server_.set_exception_handler([this](const httplib::Request&, httplib::Response& response,
-                                         const std::exception_ptr&) {
-        response.headers.erase("ETag");
-        writeProblem(service_, response,
-                     proto::makeProblem({ErrorCode::internal, "the server failed"}));
+    server_.set_error_handler([this](const httplib::Request& request, httplib::Response& response) {
+        explain(request, response);
     });
+    server_.set_exception_handler(
+        [this](const httplib::Request&, httplib::Response& response, const std::exception_ptr&) {
+            response.headers.erase("ETag");
+            writeProblem(service_, response,
+                         proto::makeProblem({ErrorCode::internal, "the server failed"}));
+        });
     server_.set_post_routing_handler([](const httplib::Request&, httplib::Response& response) {
         response.user_data.erase("ticket");  // an unused place is free before the answer is seen
     });
-    server_.set_logger([this](const httplib::Request& request,
-                              const httplib::Response& response) { observe(request, response); });
+    server_.set_logger([this](const httplib::Request& request, const httplib::Response& response) {
+        observe(request, response);
+    });
 }
 
 void HttpServer::setRoutes() {
@@ -123,13 +127,14 @@ void HttpServer::setRoutes() {
         };
         const std::string pattern = libraryPattern(route.path);
         if (route.upload)
-            server_.Post(pattern,
-                         [handle](const httplib::Request& request, httplib::Response& response,
-                                  const httplib::ContentReader& body) {
-                             handle(request, response, &body);
-                         });
-        else if (route.method == "DELETE") server_.Delete(pattern, plain);
-        else server_.Get(pattern, plain);
+            server_.Post(
+                pattern,
+                [handle](const httplib::Request& request, httplib::Response& response,
+                         const httplib::ContentReader& body) { handle(request, response, &body); });
+        else if (route.method == "DELETE")
+            server_.Delete(pattern, plain);
+        else
+            server_.Get(pattern, plain);
     }
 }
 
@@ -155,11 +160,12 @@ HttpServer::Verdict HttpServer::beforeRouting(const httplib::Request& request,
         return Verdict::Handled;
     }
     response.set_header("Allow", allowed);
-    if (request.method == "OPTIONS") response.status = 204;
+    if (request.method == "OPTIONS")
+        response.status = 204;
     else
-        writeProblem(service_, response,
-                     proto::makeProblem({ErrorCode::methodNotAllowed,
-                                         "this path takes " + allowed}));
+        writeProblem(
+            service_, response,
+            proto::makeProblem({ErrorCode::methodNotAllowed, "this path takes " + allowed}));
     return Verdict::Handled;
 }
 
@@ -184,8 +190,8 @@ bool HttpServer::refusesUpload(const httplib::Request& request, httplib::Respons
 void HttpServer::explain(const httplib::Request& request, httplib::Response& response) const {
     requestId(request, response);
     if (!response.body.empty() || response.status == kClientClosed) return;
-    const bool crowded = response.status == 400 && request.headers.size() >=
-                                                       CPPHTTPLIB_HEADER_MAX_COUNT;
+    const bool crowded =
+        response.status == 400 && request.headers.size() >= CPPHTTPLIB_HEADER_MAX_COUNT;
     if (crowded) response.status = 431;
     proto::Problem problem{proto::transportProblemType(response.status)};
     problem.type.status = response.status;
@@ -199,14 +205,12 @@ void HttpServer::explain(const httplib::Request& request, httplib::Response& res
     writeProblem(service_, response, problem);
 }
 
-void HttpServer::observe(const httplib::Request& request,
-                         const httplib::Response& response) const {
+void HttpServer::observe(const httplib::Request& request, const httplib::Response& response) const {
     if (!settings_.observer) return;
     const auto elapsed = std::chrono::steady_clock::now() - request.start_time_;
     settings_.observer({response.get_header_value("X-Request-ID"), request.method,
                         request.matched_route.empty() ? "-" : request.matched_route,
-                        response.status,
-                        std::chrono::duration<double, std::milli>(elapsed).count(),
+                        response.status, std::chrono::duration<double, std::milli>(elapsed).count(),
                         response.body.empty() ? response.content_length_ : response.body.size(),
                         response.get_header_value("Rivage-Job")});
 }

@@ -17,6 +17,8 @@ void writeAsset(const httplib::Request& request, httplib::Response& response,
                 const WebAsset& asset) {
     response.set_header("ETag", std::string(asset.etag));
     response.set_header("Cache-Control", "no-cache");
+    if (asset.mime.starts_with("text/html"))
+        response.set_header("Content-Security-Policy", kPagePolicy);
     if (matchesEtag(request.get_header_value("If-None-Match"), std::string(asset.etag))) {
         response.status = 304;
         response.set_header("Content-Length", std::to_string(asset.bytes.size()));
@@ -33,14 +35,10 @@ void getLimits(Exchange& exchange) {
 }
 
 /// GET /v1/formats -> 200
-void getFormats(Exchange& exchange) {
-    writeJson(exchange.response, 200, proto::describeFormats());
-}
+void getFormats(Exchange& exchange) { writeJson(exchange.response, 200, proto::describeFormats()); }
 
 /// GET /v1/options -> 200
-void getOptions(Exchange& exchange) {
-    writeJson(exchange.response, 200, proto::describeOptions());
-}
+void getOptions(Exchange& exchange) { writeJson(exchange.response, 200, proto::describeOptions()); }
 
 /// GET /v1/samples -> 200 {samples: [{name, href}]}
 void listSamples(Exchange& exchange) {

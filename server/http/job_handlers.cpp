@@ -82,8 +82,8 @@ bool waitWhileWatched(Exchange& exchange, const std::shared_ptr<Job>& job,
 void writeJob(Exchange& exchange, int status, const Job& job) {
     const proto::JobView view = exchange.service.pool.view(job);
     if (status == 202 || !proto::hasEnded(view.state))
-        exchange.response.set_header(
-            "Retry-After", std::to_string(exchange.service.pool.retryAfter().count()));
+        exchange.response.set_header("Retry-After",
+                                     std::to_string(exchange.service.pool.retryAfter().count()));
     writeJson(exchange.response, status, proto::toJson(view));
 }
 
@@ -97,8 +97,7 @@ void writeBytes(Exchange& exchange, const std::shared_ptr<const JobResult>& resu
     exchange.response.set_content_provider(
         result->bytes.size(), result->mediaType,
         [result](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
-            return sink.write(reinterpret_cast<const char*>(result->bytes.data()) + offset,
-                              length);
+            return sink.write(reinterpret_cast<const char*>(result->bytes.data()) + offset, length);
         });
 }
 
@@ -264,8 +263,10 @@ void getResult(Exchange& exchange) {
 void deleteJob(Exchange& exchange) {
     const auto job = findJob(exchange);
     if (!job) return writeError(exchange, job.error());
-    if (proto::hasEnded((*job)->state())) exchange.service.pool.forget(**job);
-    else exchange.service.pool.cancel(*job);
+    if (proto::hasEnded((*job)->state()))
+        exchange.service.pool.forget(**job);
+    else
+        exchange.service.pool.cancel(*job);
     exchange.response.status = 204;
 }
 

@@ -29,8 +29,7 @@ void writeJobs(std::ostream& out, const PoolStats& stats) {
          {proto::JobState::succeeded, proto::JobState::failed, proto::JobState::canceled}) {
         std::uint64_t count = stats.jobs[static_cast<std::size_t>(state)];
         if (state == proto::JobState::failed) count -= stats.timedOut;
-        out << "rivage_jobs_total{outcome=\"" << proto::stateName(state) << "\"} " << count
-            << '\n';
+        out << "rivage_jobs_total{outcome=\"" << proto::stateName(state) << "\"} " << count << '\n';
     }
     out << "rivage_jobs_total{outcome=\"expired\"} " << stats.timedOut << '\n';
 

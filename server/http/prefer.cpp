@@ -39,8 +39,8 @@ Prefer parsePrefer(const std::string& header) {
     while (!rest.empty()) {
         const std::size_t comma = std::min(rest.find(','), rest.size());
         // Parameters of a preference, after a semicolon, change nothing for these two.
-        const std::string_view item = trimmed(rest.substr(0, comma).substr(
-            0, std::min(rest.find(';'), comma)));
+        const std::string_view item =
+            trimmed(rest.substr(0, comma).substr(0, std::min(rest.find(';'), comma)));
         rest.remove_prefix(std::min(comma + 1, rest.size()));
         if (item == "respond-async") prefer.respondAsync = true;
         const std::size_t equals = item.find('=');

@@ -13,7 +13,8 @@ namespace rivage::server {
 struct Route {
     std::string_view method;
     std::string_view path;  ///< segments in braces match anything
-    std::string_view statuses;  ///< of the handler itself; every route may answer 400, 404, 405, 500
+    std::string_view
+        statuses;  ///< of the handler itself; every route may answer 400, 404, 405, 500
     void (*handle)(Exchange&);
     bool upload = false;  ///< takes a grid, so it needs a place in the queue before its body
 };

@@ -32,7 +32,7 @@ struct Service {
     std::size_t longPolls = 64;        ///< waiting GETs at a time; more are answered at once
     std::atomic<std::size_t> waiting{0};
     std::atomic<std::size_t> unanswered{0};  ///< requests whose answer is not written yet
-    std::atomic<bool> stopping{false};  ///< long polls end now
+    std::atomic<bool> stopping{false};       ///< long polls end now
 };
 
 }  // namespace rivage::server

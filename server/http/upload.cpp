@@ -26,8 +26,8 @@ std::string safeStem(std::string name) {
     name = name.substr(name.find_last_of("/\\") + 1);
     name = name.substr(0, name.rfind('.'));
     for (char& c : name) {
-        const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                           (c >= '0' && c <= '9') || c == '-';
+        const bool plain =
+            (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
         if (!plain) c = '_';
     }
     return name.substr(0, 64);
@@ -49,18 +49,18 @@ public:
             return true;
         }
         const bool known = part.name == "grid" || part.name == "options";
-        return refuse({ErrorCode::malformedRequest,
-                       known ? "the form has the part " + part.name + " twice"
-                             : "a form has the parts grid and options, not " +
-                                   proto::inQuotes(part.name)});
+        return refuse(
+            {ErrorCode::malformedRequest,
+             known ? "the form has the part " + part.name + " twice"
+                   : "a form has the parts grid and options, not " + proto::inQuotes(part.name)});
     }
 
     bool take(const char* data, std::size_t size) {
         if (tooSlow(size)) return false;
         if (!toGrid_) {
             if (size > kMaxOptionsBytes - upload_.options.size())
-                return refuse({ErrorCode::malformedRequest, "the options are too long",
-                               "/options", kMaxOptionsBytes});
+                return refuse({ErrorCode::malformedRequest, "the options are too long", "/options",
+                               kMaxOptionsBytes});
             upload_.options.append(data, size);
             return true;
         }
@@ -79,8 +79,8 @@ public:
                                                  "the body comes too slowly", "/body"});
         if (error_) return problem(*error_);
         if (!complete)
-            return problem({ErrorCode::malformedRequest, "the body is broken or incomplete",
-                            "/body"});
+            return problem(
+                {ErrorCode::malformedRequest, "the body is broken or incomplete", "/body"});
         if (upload_.grid.empty())
             return problem({ErrorCode::malformedRequest,
                             "the request has no grid: send it as the body, or as the part grid "
@@ -121,8 +121,7 @@ private:
 
 Answer<void> checkUploadHeaders(const httplib::Request& request, const Service& service) {
     const std::string encoding = request.get_header_value("Content-Encoding");
-    if (!encoding.empty() && encoding != "identity" && encoding != "gzip" &&
-        encoding != "deflate")
+    if (!encoding.empty() && encoding != "identity" && encoding != "gzip" && encoding != "deflate")
         return tl::unexpected(
             proto::Problem{proto::transportProblemType(415),
                            "Content-Encoding must be gzip, deflate or identity, not " +

@@ -20,8 +20,7 @@ Digest sha256(std::span<const std::byte> bytes) {
         digest.hex += kHex[hash[i] & 15];
     }
     std::array<unsigned char, 2 * EVP_MAX_MD_SIZE> base64{};
-    const int written =
-        EVP_EncodeBlock(base64.data(), hash.data(), static_cast<int>(length));
+    const int written = EVP_EncodeBlock(base64.data(), hash.data(), static_cast<int>(length));
     digest.base64.assign(base64.begin(), base64.begin() + written);
     return digest;
 }

@@ -70,10 +70,9 @@ void Job::finish(core::Result<core::Artifact> outcome) {
     std::shared_ptr<const JobResult> result;
     if (outcome && !cancelled_) {
         const Digest digest = sha256(outcome->bytes);
-        result = std::make_shared<const JobResult>(
-            JobResult{std::move(outcome->bytes), outcome->mediaType,
-                      request_.name + "." + outcome->extension, '"' + digest.hex + '"',
-                      "sha-256=:" + digest.base64 + ":"});
+        result = std::make_shared<const JobResult>(JobResult{
+            std::move(outcome->bytes), outcome->mediaType, request_.name + "." + outcome->extension,
+            '"' + digest.hex + '"', "sha-256=:" + digest.base64 + ":"});
     }
     const std::lock_guard lock(mutex_);
     const auto stage = static_cast<std::size_t>(now_.view.stage.value_or(core::Stage::parse));

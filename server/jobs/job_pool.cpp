@@ -66,8 +66,12 @@ core::Result<std::shared_ptr<Job>> JobPool::submit(Ticket ticket, JobRequest req
     const auto longest = static_cast<std::uint64_t>(settings_.deadline.count());
     const std::uint64_t asked = request.options.run.deadlineMs.value_or(longest);
     if (asked > longest) {
-        Error error{ErrorCode::invalidOption, "deadline_ms is above the server's deadline",
-                    "/options/deadline_ms", longest, asked, "--deadline"};
+        Error error{ErrorCode::invalidOption,
+                    "deadline_ms is above the server's deadline",
+                    "/options/deadline_ms",
+                    longest,
+                    asked,
+                    "--deadline"};
         return fail(std::move(error));
     }
     const auto deadline = Clock::now() + std::chrono::milliseconds(asked);
@@ -136,8 +140,7 @@ core::Result<core::Artifact> JobPool::run(Job& job) {
     context.stopReason = [&job] { return job.stopReason(); };
     context.progress = [&job](core::Stage stage, double fraction) { job.report(stage, fraction); };
     const core::ConversionOptions& options = job.options().conversion;
-    const Converter& convert =
-        job.kind() == JobKind::convert ? engine_.convert : engine_.inspect;
+    const Converter& convert = job.kind() == JobKind::convert ? engine_.convert : engine_.inspect;
     try {
         return convert(job.input(), options, proto::toJson(options), context);
     } catch (const std::bad_alloc&) {

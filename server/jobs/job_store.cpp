@@ -21,8 +21,7 @@ void MemoryJobStore::add(std::shared_ptr<Job> job) {
 core::Result<std::shared_ptr<Job>> MemoryJobStore::find(const std::string& id) const {
     const std::lock_guard lock(mutex_);
     if (const auto found = jobs_.find(id); found != jobs_.end()) return found->second;
-    if (expired_.contains(id))
-        return core::fail(ErrorCode::expired, "this job has expired", "/id");
+    if (expired_.contains(id)) return core::fail(ErrorCode::expired, "this job has expired", "/id");
     return core::fail(ErrorCode::notFound, "there is no job with this id", "/id");
 }
 
@@ -32,8 +31,7 @@ std::vector<std::shared_ptr<Job>> MemoryJobStore::list(const JobQuery& query) co
     auto end = query.after.empty() ? jobs_.end() : jobs_.lower_bound(query.after);
     while (end != jobs_.begin() && list.size() < query.limit) {
         --end;
-        if (!query.state || end->second->state() == *query.state)
-            list.push_back(end->second);
+        if (!query.state || end->second->state() == *query.state) list.push_back(end->second);
     }
     return list;
 }

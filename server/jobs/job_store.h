@@ -71,7 +71,7 @@ private:
     std::map<std::string, std::shared_ptr<Job>> jobs_;  ///< ids sort by time
     std::deque<Ended> ended_;                           ///< in the order in which they ended
     std::uint64_t keptBytes_ = 0;
-    std::set<std::string> expired_;          ///< ids that were here
+    std::set<std::string> expired_;  ///< ids that were here
     std::deque<std::string> expiredOrder_;
 };
 

@@ -23,8 +23,7 @@ std::string UuidSource::next(std::chrono::system_clock::time_point now) {
             counter_ = 0;
             ++lastMs_;
         }
-        for (int i = 0; i < 6; ++i)
-            bytes[i] = static_cast<unsigned char>(lastMs_ >> (40 - 8 * i));
+        for (int i = 0; i < 6; ++i) bytes[i] = static_cast<unsigned char>(lastMs_ >> (40 - 8 * i));
         bytes[6] = static_cast<unsigned char>(0x70 | counter_ >> 8);
         bytes[7] = static_cast<unsigned char>(counter_);
     }

@@ -78,10 +78,9 @@ std::uint64_t usableMemory() {
     std::string limit;
     std::string ignored;
     const std::string root = "/sys/fs/cgroup";
-    const bool found =
-        readGroupFile(root, ownGroup(""), "memory.max", limit, ignored) ||
-        readGroupFile(root + "/memory", ownGroup("memory"), "memory.limit_in_bytes", limit,
-                      ignored);
+    const bool found = readGroupFile(root, ownGroup(""), "memory.max", limit, ignored) ||
+                       readGroupFile(root + "/memory", ownGroup("memory"), "memory.limit_in_bytes",
+                                     limit, ignored);
     if (found && limit != "max") bytes = std::min<std::uint64_t>(bytes, std::stoull(limit));
     return bytes;
 }

@@ -38,7 +38,8 @@ public:
         app_.set_config("--config", "", "file with settings, one `name=value` a line");
         app_.allow_config_extras(CLI::config_extras_mode::error);
         app_.set_version_flag("--version", std::string("rivage-server ") + RIVAGE_VERSION);
-        app_.add_flag("--print-config", printConfig_, "print the settings in force and exit");
+        app_.add_flag("--print-config", printConfig_, "print the settings in force and exit")
+            ->configurable(false);
         addAddresses();
         addSizes();
         addTimes();
@@ -137,9 +138,8 @@ private:
 
     void addLog() {
         add("log-format", settings_.logFormat, "text or json")
-            ->transform(CLI::CheckedTransformer(
-                std::map<std::string, LogFormat>{{"text", LogFormat::text},
-                                                 {"json", LogFormat::json}}));
+            ->transform(CLI::CheckedTransformer(std::map<std::string, LogFormat>{
+                {"text", LogFormat::text}, {"json", LogFormat::json}}));
         add("log-level", settings_.logLevel, "debug, info, warn, error or off")
             ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}));
     }
@@ -187,9 +187,9 @@ proto::ServiceLimits Settings::limits() const {
 }
 
 core::Result<std::uint64_t> parseBytes(const std::string& text) {
-    static const std::map<std::string, int> kShifts{
-        {"", 0},    {"B", 0},    {"K", 10}, {"KiB", 10}, {"M", 20},
-        {"MiB", 20}, {"G", 30}, {"GiB", 30}, {"T", 40},   {"TiB", 40}};
+    static const std::map<std::string, int> kShifts{{"", 0},   {"B", 0},    {"K", 10}, {"KiB", 10},
+                                                    {"M", 20}, {"MiB", 20}, {"G", 30}, {"GiB", 30},
+                                                    {"T", 40}, {"TiB", 40}};
     const auto quantity = readQuantity(text);
     const auto shift = quantity ? kShifts.find(quantity->unit) : kShifts.end();
     if (shift == kShifts.end())
@@ -201,8 +201,8 @@ core::Result<std::uint64_t> parseBytes(const std::string& text) {
 }
 
 core::Result<std::chrono::seconds> parseDuration(const std::string& text) {
-    static const std::map<std::string, double> kSeconds{
-        {"", 1}, {"ms", 0.001}, {"s", 1}, {"m", 60}, {"h", 3600}, {"d", 86400}};
+    static const std::map<std::string, double> kSeconds{{"", 1},   {"ms", 0.001}, {"s", 1},
+                                                        {"m", 60}, {"h", 3600},   {"d", 86400}};
     const auto quantity = readQuantity(text);
     const auto unit = quantity ? kSeconds.find(quantity->unit) : kSeconds.end();
     if (unit == kSeconds.end() || quantity->value > 1e9)

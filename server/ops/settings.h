@@ -21,8 +21,8 @@ struct Settings {
     std::size_t workers = 1;
     int threadsPerJob = 1;
     std::size_t queueLimit = 16;
-    std::uint64_t memoryBudget = 0;   ///< bytes, of all running jobs together
-    std::uint64_t resultBudget = 0;   ///< bytes, of all kept results together
+    std::uint64_t memoryBudget = 0;  ///< bytes, of all running jobs together
+    std::uint64_t resultBudget = 0;  ///< bytes, of all kept results together
     std::uint64_t maxUpload = 64ULL << 20;
     std::uint64_t maxVoxels = core::Limits().maxVoxels;
     std::uint64_t maxLabels = core::Limits().maxLabels;

@@ -16,9 +16,7 @@ ErrorCode codeOf(const std::string& text) {
     return json.error().code;
 }
 
-std::string nested(std::size_t depth) {
-    return std::string(depth, '[') + std::string(depth, ']');
-}
+std::string nested(std::size_t depth) { return std::string(depth, '[') + std::string(depth, ']'); }
 
 }  // namespace
 

@@ -240,8 +240,8 @@ TEST_CASE("reject: options without effect beside the others") {
     checkRefused(parse({{"type", "u16"}, {"format", "vox"}}), ErrorCode::invalidOption,
                  "/options/type");
     checkRefused(parse({{"format", "raw"}}), ErrorCode::invalidOption, "/options/dims");
-    checkRefused(parse({{"draco_speed", "1"}, {"compression", "none"}}),
-                 ErrorCode::invalidOption, "/options/draco_speed");
+    checkRefused(parse({{"draco_speed", "1"}, {"compression", "none"}}), ErrorCode::invalidOption,
+                 "/options/draco_speed");
     checkRefused(parse({{"output", "obj"}, {"compression", "draco"}}), ErrorCode::invalidOption,
                  "/options/compression");
     CHECK(parse({{"output", "obj"}, {"compression", "none"}}));

@@ -39,8 +39,7 @@ core::Result<core::Artifact> wait(Gate& gate, const std::string& text,
 
 core::Result<core::Artifact> convert(Gate& gate, const std::string& text,
                                      const core::RunContext& run) {
-    for (const core::Stage stage : {core::Stage::parse, core::Stage::surface})
-        run.report(stage, 0);
+    for (const core::Stage stage : {core::Stage::parse, core::Stage::surface}) run.report(stage, 0);
     if (text.starts_with("slow") || text.starts_with("stuck")) return wait(gate, text, run);
     if (text == "empty") return fail(ErrorCode::emptyGrid, "the grid has no voxel", "/grid");
     if (text == "bad") return fail(ErrorCode::malformedInput, "it is not a grid", "/grid");
@@ -54,8 +53,7 @@ core::Result<core::Artifact> convert(Gate& gate, const std::string& text,
 void sendAll(int socket, const std::string& bytes) {
     std::size_t sent = 0;
     while (sent < bytes.size()) {
-        const ssize_t n =
-            ::send(socket, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
+        const ssize_t n = ::send(socket, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
         if (n <= 0) return;
         sent += static_cast<std::size_t>(n);
     }
@@ -105,10 +103,10 @@ TestServer::TestServer(const TestSettings& settings) {
     proto::ServiceLimits limits;
     limits.maxUploadBytes = settings.maxUpload;
     limits.workers = settings.workers;
-    server::Samples samples{{"dot"}, [](const std::string&) {
-                                return core::Result<std::vector<std::byte>>(
-                                    std::vector<std::byte>(3, std::byte{'v'}));
-                            }};
+    server::Samples samples{
+        {"dot"}, [](const std::string&) {
+            return core::Result<std::vector<std::byte>>(std::vector<std::byte>(3, std::byte{'v'}));
+        }};
     service = std::make_unique<server::Service>(*pool, limits, samples);
     service->readTimeout = settings.readTimeout;
     server::HttpSettings httpSettings;

@@ -32,6 +32,9 @@ export class View {
         this.controls = new OrbitControls(this.camera, canvas);
         this.controls.enableDamping = true;
         this.controls.addEventListener('change', () => this.invalidate());
+        const generator = new THREE.PMREMGenerator(this.renderer);
+        this.room = generator.fromScene(new RoomEnvironment(), 0.04).texture;
+        generator.dispose();
         this.surface = this.makeScene();
         this.voxels = this.makeScene();
         this.looks = {wireframe: false, flatShading: false};
@@ -43,10 +46,8 @@ export class View {
 
     makeScene() {
         const scene = new THREE.Scene();
-        const generator = new THREE.PMREMGenerator(this.renderer);
-        scene.environment = generator.fromScene(new RoomEnvironment(), 0.04).texture;
+        scene.environment = this.room;
         scene.environmentIntensity = 0.55;
-        generator.dispose();
         const sun = new THREE.DirectionalLight(0xffffff, 2.1);
         sun.position.set(0.6, 1, 0.8);
         scene.add(sun, sun.target);
@@ -80,7 +81,7 @@ export class View {
         this.radius = sphere.radius || 1;
         const half = THREE.MathUtils.degToRad(this.camera.fov / 2);
         const narrow = Math.min(1, this.camera.aspect);
-        const distance = this.radius / Math.sin(Math.atan(Math.tan(half) * narrow)) * 1.02;
+        const distance = this.radius / Math.sin(Math.atan(Math.tan(half) * narrow)) * 1.12;
         const direction = new THREE.Vector3(0.75, 0.62, 1).normalize();
         this.controls.target.copy(sphere.center);
         this.camera.position.copy(sphere.center).addScaledVector(direction, distance);

@@ -120,7 +120,7 @@ TEST_SUITE("core/pipeline") {
             CHECK(artifact.error().code == ErrorCode::memoryBudget);
             CHECK(artifact.error().limit == run.limits.maxMemory);
             CHECK(artifact.error().actual > run.limits.maxMemory);
-            CHECK(artifact.error().setting == "memory-budget");
+            CHECK(artifact.error().setting == "--memory-budget");
         }
     }
 

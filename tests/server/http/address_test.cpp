@@ -44,10 +44,9 @@ TEST_CASE("parseAddress: host and port, IPv6, Unix sockets") {
     CHECK(parseAddress("[::1]:0")->url() == "http://[::1]:0");
     CHECK(parseAddress(":80")->host == "0.0.0.0");
     CHECK(parseAddress("unix:/run/x.sock")->url() == "unix:/run/x.sock");
-    for (const std::string& text :
-         {std::string(), std::string("localhost"), std::string("a:b"), std::string("a:65536"),
-          std::string("a:-1"), std::string("a:"), std::string("unix:"),
-          "unix:/" + std::string(120, 'x')}) {
+    for (const std::string& text : {std::string(), std::string("localhost"), std::string("a:b"),
+                                    std::string("a:65536"), std::string("a:-1"), std::string("a:"),
+                                    std::string("unix:"), "unix:/" + std::string(120, 'x')}) {
         CAPTURE(text);
         CHECK_FALSE(parseAddress(text));
     }
@@ -63,7 +62,7 @@ TEST_CASE("HttpServer: a Unix socket, removed at the end; a dead one is replaced
         const auto version = client.Get("/version");
         REQUIRE(version);
         CHECK(version->status == 200);
-        struct stat status{};
+        struct stat status {};
         REQUIRE(::stat(path.c_str(), &status) == 0);
         CHECK((status.st_mode & 0777) == 0660);
         CHECK(clearStaleSocket(path).error().code == core::ErrorCode::busy);

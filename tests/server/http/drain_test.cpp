@@ -50,8 +50,7 @@ TEST_CASE("drain: unready at once, no new jobs, what was accepted is answered") 
 TEST_CASE("drain: a waiting GET does not hold the end up") {
     TestServer server({.workers = 1, .queueLimit = 4});
     auto client = server.client();
-    const std::string path =
-        client.Post("/v1/jobs", "slow", kBytes)->get_header_value("Location");
+    const std::string path = client.Post("/v1/jobs", "slow", kBytes)->get_header_value("Location");
     std::thread poller([&] {
         auto other = server.client();
         const auto result = other.Get(path, httplib::Headers{{"Prefer", "wait=60"}});

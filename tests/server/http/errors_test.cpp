@@ -75,8 +75,9 @@ TEST_CASE("errors: what the HTTP layer refuses is a problem too") {
 
 TEST_CASE("errors: a body that stops, or comes too slowly") {
     const TestServer server({.readTimeout = 1s});
-    const std::string head = "POST /v1/regularize HTTP/1.1\r\nHost: x\r\n"
-                             "Content-Length: 100\r\nConnection: close\r\n\r\n";
+    const std::string head =
+        "POST /v1/regularize HTTP/1.1\r\nHost: x\r\n"
+        "Content-Length: 100\r\nConnection: close\r\n\r\n";
     CHECK(isProblem(server.raw(head + "short"), "408"));
     CHECK(isProblem(server.raw(head, std::string(100, 'x')), "408"));
     CHECK(server.pool->idle());
@@ -101,17 +102,18 @@ TEST_CASE("errors: too many bytes, announced, chunked or inflated") {
         kBytes);
     if (chunked) checkProblem(chunked, 413, "too-large");
 
-    checkProblem(client.Post(kRoute, {{"Content-Encoding", "gzip"}},
-                             gzip(std::string(100000, 'x')), kBytes),
-                 413, "too-large");
+    checkProblem(
+        client.Post(kRoute, {{"Content-Encoding", "gzip"}}, gzip(std::string(100000, 'x')), kBytes),
+        413, "too-large");
     httplib::UploadFormDataItems items{{"grid", std::string(1001, 'x'), "a.vox", kBytes}};
     checkProblem(client.Post(kRoute, items), 413, "too-large");
 }
 
 TEST_CASE("errors: a chunked body of any length is refused at the limit, over a raw socket") {
     const TestServer server({.maxUpload = 1000});
-    std::string request = "POST /v1/regularize HTTP/1.1\r\nHost: x\r\n"
-                          "Transfer-Encoding: chunked\r\n\r\n";
+    std::string request =
+        "POST /v1/regularize HTTP/1.1\r\nHost: x\r\n"
+        "Transfer-Encoding: chunked\r\n\r\n";
     for (int i = 0; i < 2; ++i) request += "400\r\n" + std::string(1024, 'x') + "\r\n";
     CHECK(isProblem(server.raw(request), "413"));
 }

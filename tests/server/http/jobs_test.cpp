@@ -142,9 +142,13 @@ TEST_CASE("jobs: entity tags, ranges and HEAD on results") {
     CHECK(part->status == 206);
     CHECK(part->body == "asset");
     CHECK(part->get_header_value("Content-Range") == "bytes 0-4/11");
-    CHECK(client.Get(result, httplib::Headers{{"Range", "bytes=0-4"}, {"If-Range", etag}})->status == 206);
-    CHECK(client.Get(result, httplib::Headers{{"Range", "bytes=0-4"}, {"If-Range", "\"x\""}})->status == 200);
-    checkProblem(client.Get(result, httplib::Headers{{"Range", "bytes=99-"}}), 416, "range-not-satisfiable");
+    CHECK(
+        client.Get(result, httplib::Headers{{"Range", "bytes=0-4"}, {"If-Range", etag}})->status ==
+        206);
+    CHECK(client.Get(result, httplib::Headers{{"Range", "bytes=0-4"}, {"If-Range", "\"x\""}})
+              ->status == 200);
+    checkProblem(client.Get(result, httplib::Headers{{"Range", "bytes=99-"}}), 416,
+                 "range-not-satisfiable");
 }
 
 TEST_CASE("jobs: the list is newest first, by state, in pages") {
@@ -164,8 +168,8 @@ TEST_CASE("jobs: the list is newest first, by state, in pages") {
     CHECK(page["jobs"].size() == 2);
     const auto rest = bodyOf(client.Get(page["next"].get<std::string>()));
     CHECK(rest["jobs"].size() == 1);
-    for (const char* bad : {"?limit=0", "?limit=501", "?limit=x", "?state=done", "?colour=1",
-                            "?limit=1&limit=2"})
+    for (const char* bad :
+         {"?limit=0", "?limit=501", "?limit=x", "?state=done", "?colour=1", "?limit=1&limit=2"})
         checkProblem(client.Get(std::string("/v1/jobs") + bad), 400, "malformed-request");
 }
 
@@ -184,7 +188,8 @@ TEST_CASE("jobs: more waiting clients than the limit are answered at once") {
     auto client = server.client();
     const std::string path = submit(client, "slow");
     const auto before = server::Clock::now();
-    CHECK(bodyOf(client.Get(path, httplib::Headers{{"Prefer", "wait=10"}}))["state"] != "succeeded");
+    CHECK(bodyOf(client.Get(path, httplib::Headers{{"Prefer", "wait=10"}}))["state"] !=
+          "succeeded");
     CHECK(server::Clock::now() - before < 2s);
 }
 

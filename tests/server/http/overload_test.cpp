@@ -22,8 +22,7 @@ TEST_CASE("overload: 50 clients on 2 workers: every answer is right or an honest
             auto client = server.client();
             for (int i = 0; i < 20; ++i) {
                 const std::string grid = "ok " + std::to_string(c) + "/" + std::to_string(i);
-                const auto result =
-                    client.Post("/v1/regularize", grid, "application/octet-stream");
+                const auto result = client.Post("/v1/regularize", grid, "application/octet-stream");
                 if (result && result->status == 200 && result->body == "asset of " + grid)
                     ++right;
                 else if (result && result->status == 503 &&

@@ -32,8 +32,7 @@ TEST_CASE("regularize: a raw body gives the artifact and all that is said about 
     CHECK(result->status == 200);
     CHECK(result->body == "asset of ok");
     CHECK(result->get_header_value("Content-Type") == "model/gltf-binary");
-    CHECK(result->get_header_value("Content-Disposition") ==
-          "attachment; filename=\"rivage.glb\"");
+    CHECK(result->get_header_value("Content-Disposition") == "attachment; filename=\"rivage.glb\"");
     const std::string timing = result->get_header_value("Server-Timing");
     for (const char* stage : {"queue", "parse", "surface", "normals", "solve", "mesh", "write"})
         CHECK(timing.find(std::string(stage) + ";dur=") != std::string::npos);
@@ -79,8 +78,7 @@ TEST_CASE("reject: forms that are no forms of ours") {
                  "malformed-request");
     checkProblem(client.Post(kRoute, "no form", "multipart/form-data; boundary=x"), 400,
                  "malformed-request");
-    checkProblem(client.Post(kRoute, "no form", "multipart/form-data"), 400,
-                 "malformed-request");
+    checkProblem(client.Post(kRoute, "no form", "multipart/form-data"), 400, "malformed-request");
 }
 
 TEST_CASE("reject: options are refused before the job exists") {
@@ -103,8 +101,7 @@ TEST_CASE("reject: what the engine refuses has its own problem, and names the jo
     checkProblem(client.Post(kRoute, "throw", kBytes), 500, "internal");
     const auto empty = client.Post(kRoute, "empty", kBytes);
     checkProblem(empty, 422, "empty-grid");
-    CHECK(bodyOf(empty)["instance"] ==
-          "/v1/jobs/" + empty->get_header_value("Rivage-Job"));
+    CHECK(bodyOf(empty)["instance"] == "/v1/jobs/" + empty->get_header_value("Rivage-Job"));
     const auto big = client.Post(kRoute, "big", kBytes);
     checkProblem(big, 413, "too-large");
     CHECK(bodyOf(big)["limit"] == 5);

@@ -42,8 +42,8 @@ TEST_SUITE_BEGIN("server/http");
 TEST_CASE("matchesRoute: segment by segment, braces take anything but nothing") {
     const Route route{"GET", "/v1/jobs/{id}/result", "", nullptr};
     CHECK(matchesRoute(route, "/v1/jobs/x/result"));
-    for (const char* path : {"/v1/jobs//result", "/v1/jobs/x", "/v1/jobs/x/result/",
-                             "/v1/jobs/x/y/result", "", "/"})
+    for (const char* path :
+         {"/v1/jobs//result", "/v1/jobs/x", "/v1/jobs/x/result/", "/v1/jobs/x/y/result", "", "/"})
         CHECK_FALSE(matchesRoute(route, path));
     CHECK(matchesRoute({"GET", "/", "", nullptr}, "/"));
 }
@@ -51,9 +51,8 @@ TEST_CASE("matchesRoute: segment by segment, braces take anything but nothing") 
 TEST_CASE("routes: the table in server/README.md is this one") {
     const std::string readme = readSource("server/README.md");
     for (const Route& route : routes()) {
-        const std::string line = "| `" + std::string(route.method) + " " +
-                                 std::string(route.path) + "` | " + std::string(route.statuses) +
-                                 " |";
+        const std::string line = "| `" + std::string(route.method) + " " + std::string(route.path) +
+                                 "` | " + std::string(route.statuses) + " |";
         CAPTURE(line);
         CHECK(readme.find(line) != std::string::npos);
     }
@@ -62,8 +61,8 @@ TEST_CASE("routes: the table in server/README.md is this one") {
 }
 
 TEST_CASE("routes: the schema has each of them with its statuses, and no others") {
-    const auto schema = proto::readJson(readSource("proto/openapi.yaml"), "",
-                                        {.maxBytes = 1 << 20});
+    const auto schema =
+        proto::readJson(readSource("proto/openapi.yaml"), "", {.maxBytes = 1 << 20});
     REQUIRE(schema);
     std::size_t described = 0;
     for (const auto& [path, item] : (*schema)["paths"].items())
@@ -83,8 +82,8 @@ TEST_CASE("routes: the schema has each of them with its statuses, and no others"
 }
 
 TEST_CASE("routes: the schema names every option with its values and bounds") {
-    const auto schema = proto::readJson(readSource("proto/openapi.yaml"), "",
-                                        {.maxBytes = 1 << 20});
+    const auto schema =
+        proto::readJson(readSource("proto/openapi.yaml"), "", {.maxBytes = 1 << 20});
     REQUIRE(schema);
     const auto& properties = (*schema)["components"]["schemas"]["Options"]["properties"];
     const auto described = proto::describeOptions()["options"];
@@ -105,8 +104,8 @@ TEST_CASE("routes: the schema names every option with its values and bounds") {
 }
 
 TEST_CASE("routes: the schema lists every problem type") {
-    const auto schema = proto::readJson(readSource("proto/openapi.yaml"), "",
-                                        {.maxBytes = 1 << 20});
+    const auto schema =
+        proto::readJson(readSource("proto/openapi.yaml"), "", {.maxBytes = 1 << 20});
     REQUIRE(schema);
     std::set<std::string> listed;
     const auto& type = (*schema)["components"]["schemas"]["Problem"]["properties"]["type"];

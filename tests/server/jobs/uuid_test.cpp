@@ -26,10 +26,9 @@ TEST_CASE("UuidSource: version 7, all different, in the order in which they were
 
 TEST_CASE("looksLikeUuid: nothing else passes") {
     CHECK(looksLikeUuid("01234567-89ab-7def-8123-456789abcdef"));
-    for (const char* text : {"", "01234567-89ab-7def-8123-456789abcde",
-                             "01234567-89AB-7def-8123-456789abcdef",
-                             "01234567x89ab-7def-8123-456789abcdef",
-                             "../../../../etc/passwd/0000000000000"})
+    for (const char* text :
+         {"", "01234567-89ab-7def-8123-456789abcde", "01234567-89AB-7def-8123-456789abcdef",
+          "01234567x89ab-7def-8123-456789abcdef", "../../../../etc/passwd/0000000000000"})
         CHECK_FALSE(looksLikeUuid(text));
 }
 

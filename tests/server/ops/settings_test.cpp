@@ -70,13 +70,12 @@ TEST_CASE("settings: the defaults can be served") {
 }
 
 TEST_CASE("settings: every flag reaches its place") {
-    const auto line = run({"--listen=[::1]:0", "--admin-listen=off", "--workers=3",
-                           "--threads-per-job=2", "--queue-limit=5", "--memory-budget=3GiB",
-                           "--result-budget=1M", "--max-upload=1K", "--max-voxels=7",
-                           "--max-labels=8", "--deadline=9s", "--result-ttl=1h",
-                           "--drain-timeout=0", "--connections=10", "--log-format=json",
-                           "--log-level=error"})
-                          .line;
+    const auto line =
+        run({"--listen=[::1]:0", "--admin-listen=off", "--workers=3", "--threads-per-job=2",
+             "--queue-limit=5", "--memory-budget=3GiB", "--result-budget=1M", "--max-upload=1K",
+             "--max-voxels=7", "--max-labels=8", "--deadline=9s", "--result-ttl=1h",
+             "--drain-timeout=0", "--connections=10", "--log-format=json", "--log-level=error"})
+            .line;
     REQUIRE_FALSE(line.exitCode);
     const Settings& settings = line.settings;
     CHECK(settings.listen == "[::1]:0");
@@ -115,10 +114,10 @@ TEST_CASE("settings: environment and file, the flag wins over both") {
 TEST_CASE("settings: --print-config shows every setting, and reads back") {
     const Outcome printed = run({"--print-config", "--workers=3", "--deadline=5m"});
     CHECK(printed.line.exitCode == 0);
-    for (const char* name : {"listen", "admin-listen", "workers", "threads-per-job", "queue-limit",
-                             "memory-budget", "result-budget", "max-upload", "max-voxels",
-                             "max-labels", "deadline", "result-ttl", "drain-timeout",
-                             "connections", "log-format", "log-level"}) {
+    for (const char* name :
+         {"listen", "admin-listen", "workers", "threads-per-job", "queue-limit", "memory-budget",
+          "result-budget", "max-upload", "max-voxels", "max-labels", "deadline", "result-ttl",
+          "drain-timeout", "connections", "log-format", "log-level"}) {
         CAPTURE(name);
         CHECK(("\n" + printed.out).find("\n" + std::string(name) + "=") != std::string::npos);
     }
@@ -127,6 +126,7 @@ TEST_CASE("settings: --print-config shows every setting, and reads back") {
     const std::string config = "--config=" + path.string();
     const auto again = run({config.c_str()}).line;
     std::filesystem::remove(path);
+    CHECK_FALSE(again.exitCode);
     CHECK(again.settings.workers == 3);
     CHECK(again.settings.deadline == 300s);
 }
