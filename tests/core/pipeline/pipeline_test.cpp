@@ -147,7 +147,7 @@ TEST_SUITE("core/pipeline") {
         CHECK(inspection->pointels == artifact->report.surface.pointels);
         CHECK(inspection->input.voxels == artifact->report.input.voxels);
         CHECK(inspection->palette.size() == inspection->input.materials);
-        CHECK(inspection->predictedMemory > 1000 * inspection->surfels);
+        CHECK(inspection->predictedMemory > 500 * inspection->surfels);
     }
 
     TEST_CASE("samples: an unknown name is refused") {
