@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "core/energy/energy.h"
 #include "core/formats/read_scene.h"
@@ -62,19 +63,28 @@ Result<Input> readGrid(std::span<const std::byte> bytes, const InputOptions& opt
 std::uint64_t predictMemory(const VoxelGrid& grid, const SurfaceSize& size) {
     constexpr std::uint64_t kBytesPerSurfel = 1000;
     constexpr std::uint64_t kFixed = 16ULL << 20;
-    return kFixed + grid.voxels.memoryBytes() + kBytesPerSurfel * size.surfels;
+    // Extraction counts the cells of each row of pointels, empty or not.
+    constexpr std::uint64_t kBytesPerRow = 16;
+    const Vec3i& dims = grid.voxels.size();
+    const std::uint64_t rows = (dims.y() + std::uint64_t{1}) * (dims.z() + std::uint64_t{1});
+    return kFixed + grid.voxels.memoryBytes() + kBytesPerRow * rows + kBytesPerSurfel * size.surfels;
+}
+
+std::optional<Error> aboveBudget(const VoxelGrid& grid, const SurfaceSize& size,
+                                 const Limits& limits) {
+    const std::uint64_t memory = predictMemory(grid, size);
+    if (memory <= limits.maxMemory) return std::nullopt;
+    return Error{ErrorCode::memoryBudget,
+                 "the conversion of this grid would take more memory (bytes) than the budget of one "
+                 "conversion",
+                 "/grid", limits.maxMemory, memory, "--memory-budget"};
 }
 
 Result<SurfaceSize> checkSize(const VoxelGrid& grid, const RunContext& run) {
+    if (const auto error = aboveBudget(grid, {}, run.limits)) return fail(*error);
     const auto size = countSurface(grid, run);
     if (!size) return size;
-    const std::uint64_t memory = predictMemory(grid, *size);
-    if (memory > run.limits.maxMemory)
-        return fail(Error{ErrorCode::memoryBudget,
-                          "this grid has " + std::to_string(size->surfels) +
-                              " surfels, and its conversion would take more memory (bytes) than "
-                              "the budget of one conversion",
-                          "/grid", run.limits.maxMemory, memory, "--memory-budget"});
+    if (const auto error = aboveBudget(grid, *size, run.limits)) return fail(*error);
     return size;
 }
 

@@ -67,6 +67,15 @@ bool BrickGrid::copyRow(int xBegin, int y, int z, std::span<MaterialId> row) con
     return any;
 }
 
+std::vector<bool> BrickGrid::storedRows() const {
+    std::vector<bool> stored(static_cast<std::size_t>(bricks_.y()) * bricks_.z());
+    for (std::size_t row = 0; row < stored.size(); ++row) {
+        const auto first = directory_.begin() + static_cast<std::ptrdiff_t>(row * bricks_.x());
+        stored[row] = std::any_of(first, first + bricks_.x(), [](auto entry) { return entry != 0; });
+    }
+    return stored;
+}
+
 std::uint64_t BrickGrid::countVoxels() const {
     std::uint64_t count = 0;
     for (const Brick& brick : store_)

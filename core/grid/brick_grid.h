@@ -41,6 +41,9 @@ public:
     /// Calls `visit(voxel, material)` for every voxel that is not empty, brick by brick.
     template <typename Visit>
     void forEach(Visit&& visit) const;
+    /// For each row of bricks along x, y fastest, then z: whether it stores a brick.
+    /// @cost O(bricks)
+    [[nodiscard]] std::vector<bool> storedRows() const;
     [[nodiscard]] std::uint64_t countVoxels() const;
     [[nodiscard]] std::size_t memoryBytes() const;
     /// Rewrites every stored material id through `map` (map[0] must be 0).

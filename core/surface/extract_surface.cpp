@@ -31,8 +31,9 @@ struct RowTable {
 template <typename Visit>
 bool forEachRow(const VoxelGrid& grid, const RowTable& rows, const RunContext& run, Visit&& visit) {
     constexpr std::size_t kSlabs = 4;
+    const std::vector<bool> stored = grid.voxels.storedRows();
     parallelBlocks(rows.rowsZ, kSlabs, run.threads, [&](std::size_t begin, std::size_t end) {
-        RowScan scan(grid);
+        RowScan scan(grid, stored);
         for (std::size_t z = begin; z < end && !run.stopped(); ++z)
             for (int y = 0; y < rows.rowsY; ++y) {
                 scan.moveTo(y, static_cast<int>(z));

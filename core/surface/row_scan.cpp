@@ -16,14 +16,24 @@ int distinct(Label a, Label b, Label c, Label d) {
 
 }  // namespace
 
-RowScan::RowScan(const VoxelGrid& grid) : grid_(grid) {
+RowScan::RowScan(const VoxelGrid& grid, const std::vector<bool>& storedRows)
+    : grid_(grid), storedRows_(storedRows) {
     for (int row = 0; row < 4; ++row) {
         materials_[row].resize(grid.voxels.size().x() + 2);
         labels_[row].resize(grid.voxels.size().x() + 2);
     }
 }
 
-void RowScan::load(Row row, int y, int z) {
+bool RowScan::isStored(int y, int z) const {
+    const Vec3i& size = grid_.voxels.size();
+    if (y < 0 || z < 0 || y >= size.y() || z >= size.z()) return false;
+    const int side = BrickGrid::kSide;
+    return storedRows_[static_cast<std::size_t>(z / side) * grid_.voxels.bricks().y() + y / side];
+}
+
+void RowScan::load(int row, int y, int z) {
+    const bool stored = isStored(y, z);
+    if (!stored && !any_[row]) return;  // empty before and after
     any_[row] = grid_.voxels.copyRow(-1, y, z, materials_[row]);
     for (std::size_t i = 0; i < materials_[row].size(); ++i)
         labels_[row][i] = grid_.materials[materials_[row][i]].label;

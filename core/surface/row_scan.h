@@ -15,7 +15,8 @@ public:
     /// The four rows of voxels around a row of pointels.
     enum Row : std::uint8_t { lowYlowZ, highYlowZ, lowYhighZ, highYhighZ };
 
-    explicit RowScan(const VoxelGrid& grid);
+    /// @param storedRows  `grid.voxels.storedRows()`: rows of empty bricks are not even read
+    RowScan(const VoxelGrid& grid, const std::vector<bool>& storedRows);
 
     /// Moves to the pointels of row (y, z). Cheap when called with y + 1 after y.
     void moveTo(int y, int z);
@@ -42,14 +43,16 @@ private:
         const Label l = label(highYhighZ, x);
         return label(lowYlowZ, x) == l && label(highYlowZ, x) == l && label(lowYhighZ, x) == l;
     }
-    void load(Row row, int y, int z);
+    [[nodiscard]] bool isStored(int y, int z) const;
+    void load(int row, int y, int z);
 
     const VoxelGrid& grid_;
+    const std::vector<bool>& storedRows_;
     int y_ = -2;
     int z_ = -2;
     std::array<std::vector<MaterialId>, 4> materials_;
     std::array<std::vector<Label>, 4> labels_;
-    std::array<bool, 4> any_{};
+    std::array<bool, 4> any_{};  // false: the whole row is empty
 };
 
 }  // namespace rivage::core

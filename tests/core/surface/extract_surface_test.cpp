@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <map>
 #include <set>
 #include <tuple>
@@ -207,6 +208,20 @@ TEST_SUITE("core/surface") {
             CHECK(other->byInterface == one->byInterface);
             CHECK(other->junctionSlots == one->junctionSlots);
         }
+    }
+
+    TEST_CASE("scale: empty bricks of a 2000^3 grid cost next to nothing") {
+        VoxelGrid grid = makeGrid({1, 1, 1}, 1, [](const Vec3i&) { return 0; });
+        grid.voxels = BrickGrid(Vec3i::Constant(2000));
+        const Vec3i corners[] = {{0, 0, 0}, {1999, 1999, 1999}, {1000, 17, 3}, {1000, 15, 3}};
+        for (const Vec3i& voxel : corners) grid.voxels.set(voxel, MaterialId{1});
+        const auto started = std::chrono::steady_clock::now();
+        const auto surface = extractSurface(grid, {});
+        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started;
+        REQUIRE(surface);
+        CHECK(surface->surfelCount() == 24);
+        CHECK(grid.voxels.memoryBytes() < 10'000'000);
+        CHECK(elapsed.count() < 10);  // every voxel would be 8e9 looks
     }
 
     TEST_CASE("count: agrees with the surface") {
