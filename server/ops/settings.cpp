@@ -137,9 +137,12 @@ private:
     }
 
     void addLog() {
-        add("log-format", settings_.logFormat, "text or json")
-            ->transform(CLI::CheckedTransformer(std::map<std::string, LogFormat>{
-                {"text", LogFormat::text}, {"json", LogFormat::json}}));
+        const auto format = [](const std::string& text) -> core::Result<LogFormat> {
+            if (text == "text") return LogFormat::text;
+            if (text == "json") return LogFormat::json;
+            return fail(ErrorCode::invalidOption, "text or json is allowed");
+        };
+        addParsed("log-format", settings_.logFormat, "text", "text or json", format);
         add("log-level", settings_.logLevel, "debug, info, warn, error or off")
             ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}));
     }
