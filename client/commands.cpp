@@ -166,7 +166,8 @@ Outcome<std::vector<PlannedFile>> planRegularize(const Invocation& invocation) {
 }
 
 /// A request whose answer is a JSON document, printed as JSON or as `table` makes it.
-ExitCode show(Session& session, httplib::Request request, std::string (*table)(const Json&)) {
+ExitCode show(Session& session, const httplib::Request& request,
+              std::string (*table)(const Json&)) {
     const auto response = session.transport.send(request);
     if (!response) return complain(session.console, {}, response.error());
     const Json json = Json::parse(response->body, nullptr, false);

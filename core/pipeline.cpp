@@ -67,17 +67,22 @@ std::uint64_t predictMemory(const VoxelGrid& grid, const SurfaceSize& size) {
     constexpr std::uint64_t kBytesPerRow = 16;
     const Vec3i& dims = grid.voxels.size();
     const std::uint64_t rows = (dims.y() + std::uint64_t{1}) * (dims.z() + std::uint64_t{1});
-    return kFixed + grid.voxels.memoryBytes() + kBytesPerRow * rows + kBytesPerSurfel * size.surfels;
+    return kFixed + grid.voxels.memoryBytes() + kBytesPerRow * rows +
+           kBytesPerSurfel * size.surfels;
 }
 
 std::optional<Error> aboveBudget(const VoxelGrid& grid, const SurfaceSize& size,
                                  const Limits& limits) {
     const std::uint64_t memory = predictMemory(grid, size);
     if (memory <= limits.maxMemory) return std::nullopt;
-    return Error{ErrorCode::memoryBudget,
-                 "the conversion of this grid would take more memory (bytes) than the budget of one "
-                 "conversion",
-                 "/grid", limits.maxMemory, memory, "--memory-budget"};
+    return Error{
+        ErrorCode::memoryBudget,
+        "the conversion of this grid would take more memory (bytes) than the budget of one "
+        "conversion",
+        "/grid",
+        limits.maxMemory,
+        memory,
+        "--memory-budget"};
 }
 
 Result<SurfaceSize> checkSize(const VoxelGrid& grid, const RunContext& run) {
@@ -145,9 +150,8 @@ Result<PointelVectors> regularize(const VoxelGrid& grid, const DigitalSurface& s
         report.warnings.push_back("the solver stopped at max_iterations, above its tolerance");
 
     PointelVectors& positions = solution->positions;
-    solve.invertedBefore = options.solve.untangle
-                               ? untangle(surface, positions, run)
-                               : invertedFaces(surface, positions).size();
+    solve.invertedBefore = options.solve.untangle ? untangle(surface, positions, run)
+                                                  : invertedFaces(surface, positions).size();
     if (run.stopped()) return fail(run.stopError());
     solve.invertedAfter = invertedFaces(surface, positions).size();
     solve.after = energy.value(positions);
@@ -159,10 +163,8 @@ Result<std::vector<std::byte>> writeMesh(const Mesh& mesh, const OutputOptions& 
                                          const ConversionReport& report, const RunContext& run) {
     run.report(Stage::write, 0);
     switch (options.format) {
-        case OutputFormat::glb:
-            return writeGlb(mesh, options, toJson(report), run);
-        case OutputFormat::obj:
-            return writeObj(mesh, options, run);
+        case OutputFormat::glb: return writeGlb(mesh, options, toJson(report), run);
+        case OutputFormat::obj: return writeObj(mesh, options, run);
     }
     return fail(ErrorCode::internal, "unknown output format");
 }

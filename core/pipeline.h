@@ -15,8 +15,8 @@ namespace rivage::core {
 /// The bytes that a conversion returns, with what there is to say about them.
 struct Artifact {
     std::vector<std::byte> bytes;
-    std::string mediaType;   ///< "model/gltf-binary", "model/obj"
-    std::string extension;   ///< "glb", "obj"
+    std::string mediaType;  ///< "model/gltf-binary", "model/obj"
+    std::string extension;  ///< "glb", "obj"
     ConversionReport report;
 };
 

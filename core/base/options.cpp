@@ -5,8 +5,7 @@ namespace rivage::core {
 MethodOptions presetOptions(Preset preset) {
     MethodOptions options;  // the defaults are `studio`
     switch (preset) {
-        case Preset::studio:
-            break;
+        case Preset::studio: break;
         case Preset::paper:
             options.normals = {.method = NormalMethod::integralInvariant, .radius = 3};
             options.energy = {.alpha = 0.001,

@@ -28,12 +28,12 @@ struct LabelRule {
 
 struct InputOptions {
     GridFormat format = GridFormat::automatic;
-    std::optional<Vec3i> dims;       ///< raw only: voxels along x, y, z
-    RawType rawType = RawType::u8;   ///< raw only: little-endian, x fastest
+    std::optional<Vec3i> dims;      ///< raw only: voxels along x, y, z
+    RawType rawType = RawType::u8;  ///< raw only: little-endian, x fastest
     LabelMode labels = LabelMode::automatic;
-    std::vector<LabelRule> labelMap; ///< with `LabelMode::map`
-    bool keepHidden = false;         ///< hidden layers, groups and shapes are converted too
-    int frame = 0;                   ///< which model of a shape with several frames
+    std::vector<LabelRule> labelMap;  ///< with `LabelMode::map`
+    bool keepHidden = false;          ///< hidden layers, groups and shapes are converted too
+    int frame = 0;                    ///< which model of a shape with several frames
 };
 
 enum class NormalMethod : std::uint8_t { trivial, convolved, integralInvariant };

@@ -12,9 +12,9 @@
 namespace rivage::core {
 
 struct InputReport {
-    std::string format;           ///< e.g. "vox 200"
-    std::array<int, 3> dims{};    ///< of the merged grid, voxels
-    std::uint64_t voxels = 0;     ///< not empty, after merging
+    std::string format;         ///< e.g. "vox 200"
+    std::array<int, 3> dims{};  ///< of the merged grid, voxels
+    std::uint64_t voxels = 0;   ///< not empty, after merging
     std::uint64_t models = 0;
     std::uint64_t instances = 0;  ///< merged ones
     std::uint64_t materials = 0;  ///< used ones
@@ -50,11 +50,11 @@ struct EnergyReport {
 struct SolveReport {
     std::string solver;
     int iterations = 0;
-    double residual = 0;         ///< relative, of the linear system or of the KKT conditions
+    double residual = 0;  ///< relative, of the linear system or of the KKT conditions
     EnergyReport before;
     EnergyReport after;
-    double displacementRms = 0;  ///< voxels, Euclidean
-    double displacementMax = 0;  ///< voxels, sup norm
+    double displacementRms = 0;        ///< voxels, Euclidean
+    double displacementMax = 0;        ///< voxels, sup norm
     std::uint64_t invertedBefore = 0;  ///< faces, before untangling
     std::uint64_t invertedAfter = 0;
 };
@@ -91,10 +91,10 @@ struct Inspection {
     std::uint64_t pointels = 0;
     std::uint64_t predictedMemory = 0;  ///< bytes
     struct PaletteEntry {
-        std::uint32_t source = 0;       ///< palette entry or stored value
-        std::string color;              ///< "#rrggbbaa", sRGB
+        std::uint32_t source = 0;  ///< palette entry or stored value
+        std::string color;         ///< "#rrggbbaa", sRGB
         std::string label;
-        std::string kind;               ///< material class
+        std::string kind;  ///< material class
         std::string name;
     };
     std::vector<PaletteEntry> palette;

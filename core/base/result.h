@@ -12,24 +12,24 @@ namespace rivage::core {
 /// What went wrong, in terms of what the caller can do about it. Each code is one problem type of
 /// the HTTP interface (`proto/problem.h` holds the one switch from code to status and URI).
 enum class ErrorCode : std::uint8_t {
-    malformedInput,      ///< the bytes break their own format
-    unsupportedFormat,   ///< the format, or a version or feature of it, is not one we read
-    tooLarge,            ///< more bytes, voxels or surfels than the limit
-    emptyGrid,           ///< well-formed, but no voxel is left to regularize
-    tooManyLabels,       ///< more labels or materials than the limit
-    memoryBudget,        ///< the predicted memory is above the budget
-    unknownOption,       ///< an option of this name does not exist
-    invalidOption,       ///< an option's value is malformed or out of range
-    malformedRequest,    ///< the request around the grid is malformed
+    malformedInput,     ///< the bytes break their own format
+    unsupportedFormat,  ///< the format, or a version or feature of it, is not one we read
+    tooLarge,           ///< more bytes, voxels or surfels than the limit
+    emptyGrid,          ///< well-formed, but no voxel is left to regularize
+    tooManyLabels,      ///< more labels or materials than the limit
+    memoryBudget,       ///< the predicted memory is above the budget
+    unknownOption,      ///< an option of this name does not exist
+    invalidOption,      ///< an option's value is malformed or out of range
+    malformedRequest,   ///< the request around the grid is malformed
     notFound,
     methodNotAllowed,
-    expired,             ///< it existed, its time to live is over
-    busy,                ///< full now, try again later
-    draining,            ///< stopping, try elsewhere
+    expired,   ///< it existed, its time to live is over
+    busy,      ///< full now, try again later
+    draining,  ///< stopping, try elsewhere
     cancelled,
-    timedOut,            ///< the deadline passed
-    notConverged,        ///< the solver stopped above its tolerance
-    outputTooLarge,      ///< the artifact does not fit its format
+    timedOut,        ///< the deadline passed
+    notConverged,    ///< the solver stopped above its tolerance
+    outputTooLarge,  ///< the artifact does not fit its format
     internal,
 };
 

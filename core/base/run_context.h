@@ -19,14 +19,14 @@ inline constexpr std::size_t kStageCount = 6;
 
 /// Limits of one conversion, each checked before the allocation that it bounds.
 struct Limits {
-    std::uint64_t maxInputBytes = 64ULL << 20;    ///< stored or inflated
-    std::uint64_t maxVoxels = 1ULL << 28;         ///< non-empty voxels after merging
-    std::uint64_t maxExtent = 4096;               ///< longest side of the merged grid, voxels
-    std::uint64_t maxMaterials = 65535;           ///< distinct materials
-    std::uint64_t maxLabels = 4096;               ///< distinct labels, background not counted
-    std::uint64_t maxModels = 65536;              ///< models and instances of a scene, each
-    std::uint64_t maxMemory = 8ULL << 30;         ///< predicted bytes of one conversion
-    std::uint64_t maxOutputBytes = 1ULL << 30;    ///< bytes of the artifact
+    std::uint64_t maxInputBytes = 64ULL << 20;  ///< stored or inflated
+    std::uint64_t maxVoxels = 1ULL << 28;       ///< non-empty voxels after merging
+    std::uint64_t maxExtent = 4096;             ///< longest side of the merged grid, voxels
+    std::uint64_t maxMaterials = 65535;         ///< distinct materials
+    std::uint64_t maxLabels = 4096;             ///< distinct labels, background not counted
+    std::uint64_t maxModels = 65536;            ///< models and instances of a scene, each
+    std::uint64_t maxMemory = 8ULL << 30;       ///< predicted bytes of one conversion
+    std::uint64_t maxOutputBytes = 1ULL << 30;  ///< bytes of the artifact
 };
 
 /// What every stage gets beside its data: threads, limits, and the ways to stop and to watch it.

@@ -158,22 +158,23 @@ void Energy::apply(const PointelVectors& x, PointelVectors& out, Scratch& scratc
     out.resize(size());
     auto& terms = scratch.faceTerms;
     auto& fair = scratch.fairnessTerms;
-    parallelBlocks(surface_.surfelCount(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t f = begin; f < end; ++f) {
-            const auto& c = surface_.corners[surfel(f)];
-            const Vec3d& normal = normals_[surfel(f)];
-            const double h[4] = {x[c[0]].dot(normal), x[c[1]].dot(normal), x[c[2]].dot(normal),
-                                 x[c[3]].dot(normal)};
-            const double beta = weights_.beta[surfel(f)];
-            for (int k = 0; k < 4; ++k)
-                terms[4 * f + k] = beta * (2 * h[k] - h[(k + 1) % 4] - h[(k + 3) % 4]);
-        }
-    });
+    parallelBlocks(
+        surface_.surfelCount(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t f = begin; f < end; ++f) {
+                const auto& c = surface_.corners[surfel(f)];
+                const Vec3d& normal = normals_[surfel(f)];
+                const double h[4] = {x[c[0]].dot(normal), x[c[1]].dot(normal), x[c[2]].dot(normal),
+                                     x[c[3]].dot(normal)};
+                const double beta = weights_.beta[surfel(f)];
+                for (int k = 0; k < 4; ++k)
+                    terms[4 * f + k] = beta * (2 * h[k] - h[(k + 1) % 4] - h[(k + 3) % 4]);
+            }
+        });
     parallelBlocks(size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
         for (std::size_t n = begin; n < end; ++n) {
             const PointelId i = pointel(n);
-            fair[i] = inverseDegree_[i] == 0 ? Vec3d(Vec3d::Zero())
-                                             : applyFairness(i, fromMean(x, i));
+            fair[i] =
+                inverseDegree_[i] == 0 ? Vec3d(Vec3d::Zero()) : applyFairness(i, fromMean(x, i));
         }
     });
     parallelBlocks(size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
@@ -198,8 +199,7 @@ PointelVectors Energy::gradient(const PointelVectors& x) const {
     apply(x, result, scratch);
     for (std::size_t n = 0; n < size(); ++n) {
         const PointelId i = pointel(n);
-        result[i] =
-            2 * (result[i] - weights_.alpha[i] * surface_.pointels[i].cast<double>());
+        result[i] = 2 * (result[i] - weights_.alpha[i] * surface_.pointels[i].cast<double>());
     }
     return result;
 }

@@ -56,7 +56,7 @@ public:
     [[nodiscard]] EnergyReport value(const PointelVectors& x) const;
     /// out = H x, half the Hessian times x. `scratch` is resized as needed and may be reused.
     struct Scratch {
-        std::vector<double> faceTerms;   // 4 per surfel
+        std::vector<double> faceTerms;  // 4 per surfel
         PointelVectors fairnessTerms;
     };
     void apply(const PointelVectors& x, PointelVectors& out, Scratch& scratch) const;

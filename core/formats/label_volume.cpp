@@ -84,7 +84,7 @@ Result<ValueTable> collectValues(std::span<const std::byte> values, const ValueT
             return fail(
                 Error{ErrorCode::tooManyLabels,
                       "the grid has more than " + std::to_string(limit) + " distinct values",
-                      "/grid", limit, distinct, "--max-materials"});
+                      "/grid", limit, distinct});
     }
     return table;
 }

@@ -71,7 +71,8 @@ std::vector<bool> BrickGrid::storedRows() const {
     std::vector<bool> stored(static_cast<std::size_t>(bricks_.y()) * bricks_.z());
     for (std::size_t row = 0; row < stored.size(); ++row) {
         const auto first = directory_.begin() + static_cast<std::ptrdiff_t>(row * bricks_.x());
-        stored[row] = std::any_of(first, first + bricks_.x(), [](auto entry) { return entry != 0; });
+        stored[row] =
+            std::any_of(first, first + bricks_.x(), [](auto entry) { return entry != 0; });
     }
     return stored;
 }

@@ -299,7 +299,7 @@ Result<VoxelGrid> mergeScene(const Scene& scene, const InputOptions& options,
         return fail(Error{ErrorCode::tooManyLabels,
                           "the grid uses " + std::to_string(distinct) + " materials, at most " +
                               std::to_string(run.limits.maxMaterials) + " are allowed",
-                          "/grid", run.limits.maxMaterials, distinct, "--max-materials"});
+                          "/grid", run.limits.maxMaterials, distinct});
     IdVector<MaterialId, Material> materials = scene.materials;
     auto labels = assignLabels(materials, used, scene.format, options, run.limits);
     if (!labels) return fail(std::move(labels.error()));

@@ -13,7 +13,7 @@ namespace rivage::core {
 /// One label grid: what a voxel stores is a material id, and the material says its label.
 struct VoxelGrid {
     BrickGrid voxels;
-    Vec3i origin = Vec3i::Zero();          ///< scene coordinates of voxel (0, 0, 0), voxels
+    Vec3i origin = Vec3i::Zero();  ///< scene coordinates of voxel (0, 0, 0), voxels
     IdVector<MaterialId, Material> materials{1};
     IdVector<Label, std::string> labels{1};  ///< names; entry 0 is the background
 

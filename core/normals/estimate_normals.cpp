@@ -41,8 +41,7 @@ NormalField trivialNormals(const DigitalSurface& surface) {
 Result<NormalField> estimateNormals(const VoxelGrid& grid, const DigitalSurface& surface,
                                     const NormalOptions& options, const RunContext& run) {
     switch (options.method) {
-        case NormalMethod::trivial:
-            return trivialNormals(surface);
+        case NormalMethod::trivial: return trivialNormals(surface);
         case NormalMethod::convolved:
             return estimateEach(surface, run, [&](SurfelId s, PatchWalker& walker) {
                 return convolvedNormal(surface, walker, s, options.radius);

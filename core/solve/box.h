@@ -13,9 +13,7 @@ namespace rivage::core {
 struct Box {
     double limit = std::numeric_limits<double>::infinity();
 
-    [[nodiscard]] Vec3d project(const Vec3d& d) const {
-        return d.cwiseMin(limit).cwiseMax(-limit);
-    }
+    [[nodiscard]] Vec3d project(const Vec3d& d) const { return d.cwiseMin(limit).cwiseMax(-limit); }
     /// True where a component lies on a side of the box, so that it is not free.
     [[nodiscard]] bool active(double d) const { return std::abs(d) >= limit; }
     /// True where all components are free.

@@ -130,8 +130,7 @@ void CoarseLevels::add(const PointelVectors& r, PointelVectors& z) {
     if (levels_.empty()) return;
     const Level& finest = levels_.front();
     parallelBlocks(z.size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            z.raw()[i] += finest.correction[finest.parent[i]];
+        for (std::size_t i = begin; i < end; ++i) z.raw()[i] += finest.correction[finest.parent[i]];
     });
 }
 

@@ -23,9 +23,9 @@ public:
 
 private:
     struct Level {
-        std::vector<std::uint32_t> parent;    // piece of each piece of the level below
-        std::vector<std::uint32_t> start;     // members_[start[i] .. start[i + 1]) are piece i's
-        std::vector<std::uint32_t> members;   // pieces of the level below, ascending
+        std::vector<std::uint32_t> parent;   // piece of each piece of the level below
+        std::vector<std::uint32_t> start;    // members_[start[i] .. start[i + 1]) are piece i's
+        std::vector<std::uint32_t> members;  // pieces of the level below, ascending
         std::vector<Mat3d> inverse;
         std::vector<Vec3d> correction;
     };

@@ -9,9 +9,8 @@ DisplacementSystem::DisplacementSystem(const Energy& energy)
     : energy_(energy), rightSide_(energy.size()) {
     const PointelVectors rest = energy.restPositions();
     apply(rest, rightSide_);
-    forEach([&](PointelId i) {
-        rightSide_[i] = energy.weights().alpha[i] * rest[i] - rightSide_[i];
-    });
+    forEach(
+        [&](PointelId i) { rightSide_[i] = energy.weights().alpha[i] * rest[i] - rightSide_[i]; });
 }
 
 PointelVectors DisplacementSystem::positions(const PointelVectors& d) const {

@@ -34,12 +34,15 @@ public:
     /// Sum of `term(i)` over the pointels, the same bits for any number of threads.
     template <typename Value, typename Term>
     [[nodiscard]] Value sum(Value zero, Term&& term) const {
-        return blockedSum(size(), threads(), zero, [&](std::size_t begin, std::size_t end) {
-            Value partial = zero;
-            for (std::size_t i = begin; i < end; ++i)
-                partial = partial + term(PointelId{static_cast<std::uint32_t>(i)});
-            return partial;
-        }, kBlock);
+        return blockedSum(
+            size(), threads(), zero,
+            [&](std::size_t begin, std::size_t end) {
+                Value partial = zero;
+                for (std::size_t i = begin; i < end; ++i)
+                    partial = partial + term(PointelId{static_cast<std::uint32_t>(i)});
+                return partial;
+            },
+            kBlock);
     }
     [[nodiscard]] double dot(const PointelVectors& a, const PointelVectors& b) const {
         return sum(0.0, [&](PointelId i) { return a[i].dot(b[i]); });

@@ -12,17 +12,15 @@ Result<SolverKind> chooseSolver(const Energy& energy, const SolveOptions& option
     const bool boxed = options.displacementLimit.has_value();
     if (options.solver == SolverKind::automatic)
         return boxed ? SolverKind::projected : SolverKind::pcg;
-    const bool direct =
-        options.solver == SolverKind::pcg || options.solver == SolverKind::cholesky;
+    const bool direct = options.solver == SolverKind::pcg || options.solver == SolverKind::cholesky;
     if (boxed && direct)
         return fail(ErrorCode::invalidOption,
                     "this solver does not honour a displacement limit; give "
                     "displacement_limit=none, or solver=projected",
                     "/options/solver");
     if (options.solver == SolverKind::cholesky && energy.size() > kMaxCholeskyPointels)
-        return fail(Error{ErrorCode::tooLarge,
-                          "solver=cholesky is a reference for small surfaces", "/options/solver",
-                          kMaxCholeskyPointels, energy.size()});
+        return fail(Error{ErrorCode::tooLarge, "solver=cholesky is a reference for small surfaces",
+                          "/options/solver", kMaxCholeskyPointels, energy.size()});
     return options.solver;
 }
 
@@ -38,18 +36,12 @@ Result<Solution> minimize(const Energy& energy, const SolveOptions& options,
     Result<Solution> solution;
     switch (*solver) {
         case SolverKind::automatic:
-        case SolverKind::projected:
-            solution = solveProjected(system, box, options, run);
-            break;
-        case SolverKind::pcg:
-            solution = solvePcg(system, options, run);
-            break;
+        case SolverKind::projected: solution = solveProjected(system, box, options, run); break;
+        case SolverKind::pcg: solution = solvePcg(system, options, run); break;
         case SolverKind::gradientDescent:
             solution = solveGradientDescent(system, box, options, run);
             break;
-        case SolverKind::cholesky:
-            solution = solveCholesky(system, run);
-            break;
+        case SolverKind::cholesky: solution = solveCholesky(system, run); break;
     }
     if (run.stopped()) return fail(run.stopError());
     return solution;

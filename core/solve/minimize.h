@@ -11,8 +11,8 @@ struct Solution {
     PointelVectors positions;  ///< voxel units
     std::string solver;        ///< which one ran
     int iterations = 0;
-    double residual = 0;       ///< |projected gradient| relative to that of the rest positions
-    bool converged = true;     ///< the residual is at most the tolerance
+    double residual = 0;    ///< |projected gradient| relative to that of the rest positions
+    bool converged = true;  ///< the residual is at most the tolerance
 };
 
 /// Minimizes the energy, inside the box |x_i - p_i|_inf <= displacementLimit if one is set.

@@ -42,8 +42,8 @@ public:
             const PointelVectors& last = d_;
             system_.apply(ahead, product_);
             system_.forEach([&](PointelId i) {
-                work_[i] = box_.project(
-                    ahead[i] - (product_[i] - system_.rightSide()[i]) / majorizer_[i]);
+                work_[i] =
+                    box_.project(ahead[i] - (product_[i] - system_.rightSide()[i]) / majorizer_[i]);
             });
             const double overshoot = system_.sum(0.0, [&](PointelId i) {
                 return majorizer_[i] * (ahead[i] - work_[i]).dot(work_[i] - last[i]);
@@ -76,9 +76,7 @@ public:
 private:
     static constexpr double kStep = 1.9;  // of at most 2 / |M^-1 H| = 2, METHOD.md 2.2
 
-    [[nodiscard]] Vec3d freeGradient(PointelId i) const {
-        return box_.freeGradient(d_[i], g_[i]);
-    }
+    [[nodiscard]] Vec3d freeGradient(PointelId i) const { return box_.freeGradient(d_[i], g_[i]); }
     [[nodiscard]] Vec3d choppedGradient(PointelId i) const {
         return box_.choppedGradient(d_[i], g_[i]);
     }
@@ -189,15 +187,13 @@ private:
 
     // Half the energy less that of the rest positions.
     [[nodiscard]] double energy() const {
-        return system_.sum(0.0, [&](PointelId i) {
-            return 0.5 * d_[i].dot(g_[i] - system_.rightSide()[i]);
-        });
+        return system_.sum(
+            0.0, [&](PointelId i) { return 0.5 * d_[i].dot(g_[i] - system_.rightSide()[i]); });
     }
 
     // Releases active components along the chopped gradient.
     int proportioningStep() {
-        system_.forEach(
-            [&](PointelId i) { direction_[i] = choppedGradient(i) / majorizer_[i]; });
+        system_.forEach([&](PointelId i) { direction_[i] = choppedGradient(i) / majorizer_[i]; });
         system_.apply(direction_, product_);
         const double best = system_.dot(direction_, g_) / system_.dot(direction_, product_);
         move(feasibleStep(best));
@@ -227,8 +223,8 @@ Solution solveProjected(DisplacementSystem& system, const Box& box, const SolveO
     Convergence convergence(mprgp.residual(), options, run);
     int iterations = mprgp.approach(kApproachSteps, convergence);
     while (convergence.goOn(mprgp.residual(), iterations)) iterations += mprgp.step();
-    return {system.positions(mprgp.displacement()), "projected", iterations,
-            convergence.relative(), convergence.reached()};
+    return {system.positions(mprgp.displacement()), "projected", iterations, convergence.relative(),
+            convergence.reached()};
 }
 
 }  // namespace rivage::core

@@ -199,9 +199,8 @@ Result<DigitalSurface> extractSurface(const VoxelGrid& grid, const RunContext& r
 
     DigitalSurface surface = allocate(rows);
     if (!fillRows(grid, rows, surface, run)) return fail(run.stopError());
-    const bool linked = parallelFor(
-        static_cast<std::size_t>(rows.rowsY) * rows.rowsZ, run,
-        [&](std::size_t row) {
+    const bool linked =
+        parallelFor(static_cast<std::size_t>(rows.rowsY) * rows.rowsZ, run, [&](std::size_t row) {
             linkRow(rows, surface, static_cast<int>(row % rows.rowsY),
                     static_cast<int>(row / rows.rowsY));
         });

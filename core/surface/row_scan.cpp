@@ -61,7 +61,8 @@ RowScan::Linels RowScan::linelsAt(int x) const {
     const auto l = [&](Row row, int at) { return label(row, at); };
     // Around -x and +x: the four rows at one x. Around the others: two rows at both x.
     const std::array<int, 6> counts = {
-        distinct(l(lowYlowZ, x - 1), l(highYlowZ, x - 1), l(lowYhighZ, x - 1), l(highYhighZ, x - 1)),
+        distinct(l(lowYlowZ, x - 1), l(highYlowZ, x - 1), l(lowYhighZ, x - 1),
+                 l(highYhighZ, x - 1)),
         distinct(l(lowYlowZ, x), l(highYlowZ, x), l(lowYhighZ, x), l(highYhighZ, x)),
         distinct(l(lowYlowZ, x - 1), l(lowYlowZ, x), l(lowYhighZ, x - 1), l(lowYhighZ, x)),
         distinct(l(highYlowZ, x - 1), l(highYlowZ, x), l(highYhighZ, x - 1), l(highYhighZ, x)),

@@ -43,7 +43,7 @@ public:
 struct StoreLimits {
     std::chrono::seconds resultTtl{3600};
     std::uint64_t resultBytes = 512ULL << 20;  ///< of all kept results; the oldest go first
-    std::size_t jobs = 2000;                  ///< ended jobs; the oldest go first
+    std::size_t jobs = 2000;                   ///< ended jobs; the oldest go first
 };
 
 /// Keeps jobs in memory; they are gone when the process ends.

@@ -125,6 +125,10 @@ private:
         addBytes("max-upload", settings_.maxUpload, 1, "bytes of a grid, stored or inflated");
         add("max-voxels", settings_.maxVoxels, "voxels of a grid that are not empty")
             ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40));
+        add("max-extent", settings_.maxExtent, "longest side of a grid, voxels")
+            ->check(CLI::Range(1, 32768));
+        add("max-models", settings_.maxModels, "models, and instances, of a scene")
+            ->check(CLI::Range(1, 1000000));
         add("max-labels", settings_.maxLabels, "labels of a grid")->check(CLI::Range(1, 65535));
     }
 
@@ -171,6 +175,8 @@ PoolSettings Settings::pool() const {
     pool.queueLimit = queueLimit;
     pool.limits.maxInputBytes = maxUpload;
     pool.limits.maxVoxels = maxVoxels;
+    pool.limits.maxExtent = maxExtent;
+    pool.limits.maxModels = maxModels;
     pool.limits.maxLabels = maxLabels;
     pool.limits.maxMemory = memoryBudget / workers;
     pool.deadline = deadline;

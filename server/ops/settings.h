@@ -25,6 +25,8 @@ struct Settings {
     std::uint64_t resultBudget = 0;  ///< bytes, of all kept results together
     std::uint64_t maxUpload = 64ULL << 20;
     std::uint64_t maxVoxels = core::Limits().maxVoxels;
+    std::uint64_t maxExtent = core::Limits().maxExtent;
+    std::uint64_t maxModels = core::Limits().maxModels;
     std::uint64_t maxLabels = core::Limits().maxLabels;
     std::chrono::seconds deadline{120};
     std::chrono::seconds resultTtl{3600};

@@ -82,7 +82,8 @@ struct Symmetry {
 
 inline std::vector<Symmetry> cubeSymmetries() {
     std::vector<Symmetry> all;
-    const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                    {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
     for (const auto& permutation : permutations)
         for (int signs = 0; signs < 8; ++signs) {
             Mat3i matrix = Mat3i::Zero();

@@ -49,8 +49,7 @@ public:
                 const bool up = wa > 0 && wb > 0 && wc > 0;
                 const bool down = wa < 0 && wb < 0 && wc < 0;
                 if (!up && !down) continue;
-                const double z =
-                    (wa * pa.z() + wb * pb.z() + wc * pc.z()) / (wa + wb + wc);
+                const double z = (wa * pa.z() + wb * pb.z() + wc * pc.z()) / (wa + wb + wc);
                 // A face that is seen from above has its outer label above.
                 at(x, y).push_back(up ? Crossing{z, labels.outer, labels.inner}
                                       : Crossing{z, labels.inner, labels.outer});

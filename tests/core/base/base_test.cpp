@@ -28,7 +28,8 @@ TEST_SUITE("core/base") {
         int polls = 0;
         const RunContext run{.stopRequested = [&] { return ++polls > 2; }};
         int visited = 0;
-        CHECK_FALSE(parallelFor(1000, run, [&](std::size_t) { ++visited; }, 10));
+        CHECK_FALSE(parallelFor(
+            1000, run, [&](std::size_t) { ++visited; }, 10));
         CHECK(visited == 20);
         CHECK(run.stopError().code == ErrorCode::cancelled);
         const RunContext late{.stopReason = [] { return ErrorCode::timedOut; }};

@@ -21,7 +21,8 @@ struct Problem {
     NormalField normals;
     EnergyWeights weights;
 
-    explicit Problem(std::uint32_t seed) : surface(*extractSurface(randomGrid(seed, {3, 4, 3}, 3), {})) {
+    explicit Problem(std::uint32_t seed)
+        : surface(*extractSurface(randomGrid(seed, {3, 4, 3}, 3), {})) {
         std::mt19937 random(seed);
         std::uniform_real_distribution<double> uniform(-1, 1);
         normals.resize(surface.surfelCount());
@@ -49,7 +50,8 @@ struct Problem {
 std::vector<EnergyOptions> allForms() {
     std::vector<EnergyOptions> forms;
     for (const Fairness fairness : {Fairness::umbrella, Fairness::tangential})
-        for (const JunctionFairness junction : {JunctionFairness::umbrella, JunctionFairness::curve})
+        for (const JunctionFairness junction :
+             {JunctionFairness::umbrella, JunctionFairness::curve})
             forms.push_back({.fairness = fairness, .junctionFairness = junction});
     return forms;
 }
@@ -100,9 +102,12 @@ TEST_SUITE("core/energy") {
         for (int term = 0; term < 3; ++term) {
             for (EnergyOptions options : allForms()) {
                 Problem one = problem;
-                if (term != 0) one.weights.alpha = IdVector<PointelId, double>(one.weights.alpha.size(), 0.0);
-                if (term != 1) one.weights.beta = IdVector<SurfelId, double>(one.weights.beta.size(), 0.0);
-                if (term != 2) one.weights.gamma = IdVector<PointelId, double>(one.weights.gamma.size(), 0.0);
+                if (term != 0)
+                    one.weights.alpha = IdVector<PointelId, double>(one.weights.alpha.size(), 0.0);
+                if (term != 1)
+                    one.weights.beta = IdVector<SurfelId, double>(one.weights.beta.size(), 0.0);
+                if (term != 2)
+                    one.weights.gamma = IdVector<PointelId, double>(one.weights.gamma.size(), 0.0);
                 const Energy energy = one.energy(options);
                 PointelVectors x = one.randomPositions(3);
                 const PointelVectors gradient = energy.gradient(x);

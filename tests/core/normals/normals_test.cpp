@@ -43,10 +43,9 @@ double meanError(const VoxelGrid& grid, const NormalOptions& options, Truth&& tr
 double sphereError(NormalMethod method, double radius) {
     constexpr int kSide = 30;
     const Vec3d shift(0.13, 0.31, -0.22);
-    return meanError(ballGrid(kSide, 12.3, shift), {.method = method, .radius = radius},
-                     [&](const Vec3d& p) {
-                         return (p - Vec3d::Constant(kSide / 2.0) - shift).normalized();
-                     });
+    return meanError(
+        ballGrid(kSide, 12.3, shift), {.method = method, .radius = radius},
+        [&](const Vec3d& p) { return (p - Vec3d::Constant(kSide / 2.0) - shift).normalized(); });
 }
 
 }  // namespace
@@ -59,8 +58,8 @@ TEST_SUITE("core/normals") {
         const auto normals = estimateNormals(grid, *surface, {.method = NormalMethod::trivial}, {});
         REQUIRE(normals);
         for (std::size_t i = 0; i < surface->surfelCount(); ++i)
-            CHECK((*normals)[surfel(i)] == (surface->outerVoxel(surfel(i)) -
-                                            surface->innerVoxel(surfel(i))).cast<double>());
+            CHECK((*normals)[surfel(i)] ==
+                  (surface->outerVoxel(surfel(i)) - surface->innerVoxel(surfel(i))).cast<double>());
     }
 
     TEST_CASE("accuracy: sphere of radius 12.3, mean angle in degrees") {
@@ -86,9 +85,8 @@ TEST_SUITE("core/normals") {
 
     TEST_CASE("convolved: the two sides of a diagonal one-voxel wall do not mix") {
         // A staircase wall: touching voxels share linels only, where four surfels meet.
-        const VoxelGrid grid = makeGrid({20, 20, 12}, 1, [](const Vec3i& v) {
-            return v.x() == v.y();
-        });
+        const VoxelGrid grid =
+            makeGrid({20, 20, 12}, 1, [](const Vec3i& v) { return v.x() == v.y(); });
         const Vec3d side = Vec3d(1, -1, 0).normalized();
         const auto truth = [&](const Vec3d& p) {
             const bool inner = p.x() > 5 && p.x() < 15 && p.z() > 4 && p.z() < 8;
@@ -100,9 +98,8 @@ TEST_SUITE("core/normals") {
 
     TEST_CASE("convolved: one-sided at a junction of two labels on a wall") {
         // Two labels fill a box; their outer walls stay flat up to the line where they meet.
-        const VoxelGrid grid = makeGrid({20, 10, 10}, 2, [](const Vec3i& v) {
-            return v.x() < 10 ? 1 : 2;
-        });
+        const VoxelGrid grid =
+            makeGrid({20, 10, 10}, 2, [](const Vec3i& v) { return v.x() < 10 ? 1 : 2; });
         const auto top = [](const Vec3d& p) {
             const bool middle = p.x() > 6 && p.x() < 14 && std::abs(p.y() - 5) < 1;
             return middle && p.z() == 10 ? Vec3d(0, 0, 1) : Vec3d(Vec3d::Zero());
@@ -135,13 +132,14 @@ TEST_SUITE("core/normals") {
             const VoxelGrid grid = makeGrid(size, 1, [](const Vec3i&) { return 1; });
             const auto surface = extractSurface(grid, {});
             REQUIRE(surface);
-            const auto normals =
-                estimateNormals(grid, *surface, {.method = NormalMethod::convolved, .radius = 3}, {});
+            const auto normals = estimateNormals(
+                grid, *surface, {.method = NormalMethod::convolved, .radius = 3}, {});
             REQUIRE(normals);
             for (std::size_t i = 0; i < surface->surfelCount(); ++i) {
                 const Vec3d centre = surface->doubleCentre(surfel(i)).cast<double>() / 2;
-                const bool rim = (centre.head<2>() - size.head<2>().cast<double>() / 2)
-                                     .cwiseAbs().maxCoeff() > 3;
+                const bool rim =
+                    (centre.head<2>() - size.head<2>().cast<double>() / 2).cwiseAbs().maxCoeff() >
+                    3;
                 if (rim && size.x() > 1) continue;
                 CHECK((*normals)[surfel(i)].dot(surface->trivialNormal(surfel(i)).cast<double>()) >
                       0.999);

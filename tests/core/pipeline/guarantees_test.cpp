@@ -11,8 +11,8 @@ using namespace rivage::test;
 
 TEST_SUITE("core/pipeline") {
     TEST_CASE("checker: unmoved surfaces have no wrong centre, a shifted one has many") {
-        for (const VoxelGrid& grid : {ballGrid(14, 5.2), sectorGrid(16, 6.5),
-                                      randomGrid(3, {6, 7, 5}, 3)}) {
+        for (const VoxelGrid& grid :
+             {ballGrid(14, 5.2), sectorGrid(16, 6.5), randomGrid(3, {6, 7, 5}, 3)}) {
             const DigitalSurface surface = *extractSurface(grid, {});
             PointelVectors positions(surface.pointelCount());
             for (std::size_t i = 0; i < positions.size(); ++i)

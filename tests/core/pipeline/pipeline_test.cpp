@@ -102,10 +102,9 @@ TEST_SUITE("core/pipeline") {
         REQUIRE(convert(bytes, quick(), {}, {.stopRequested = [&] { return ++total, false; }}));
         for (std::size_t at = 1; at < total; at += std::max<std::size_t>(1, total / 40)) {
             std::size_t polls = 0;
-            const auto artifact = convert(
-                bytes, quick(), {},
-                {.stopRequested = [&] { return ++polls >= at; },
-                 .stopReason = [] { return ErrorCode::timedOut; }});
+            const auto artifact = convert(bytes, quick(), {},
+                                          {.stopRequested = [&] { return ++polls >= at; },
+                                           .stopReason = [] { return ErrorCode::timedOut; }});
             REQUIRE_FALSE(artifact);
             CHECK(artifact.error().code == ErrorCode::timedOut);
         }

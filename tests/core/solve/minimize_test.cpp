@@ -60,8 +60,9 @@ double kktViolation(const Energy& energy, const PointelVectors& x, double limit)
             CHECK(std::abs(d) <= limit + 1e-12);  // p + d rounds
             const bool atLow = d <= -limit * (1 - 1e-12);
             const bool atHigh = d >= limit * (1 - 1e-12);
-            const double violation = atLow ? std::max(0.0, -g) : atHigh ? std::max(0.0, g)
-                                                                        : std::abs(g);
+            const double violation = atLow    ? std::max(0.0, -g)
+                                     : atHigh ? std::max(0.0, g)
+                                              : std::abs(g);
             worst = std::max(worst, violation);
         }
     return worst;
@@ -71,8 +72,8 @@ double kktViolation(const Energy& energy, const PointelVectors& x, double limit)
 
 TEST_SUITE("core/solve") {
     TEST_CASE("differential: PCG against Cholesky below 1e-6 voxel") {
-        for (const auto& [name, grid] :
-             {std::pair{"sectors", sectorGrid(16, 6.5)}, std::pair{"random", randomGrid(4, {5, 5, 5}, 3)}})
+        for (const auto& [name, grid] : {std::pair{"sectors", sectorGrid(16, 6.5)},
+                                         std::pair{"random", randomGrid(4, {5, 5, 5}, 3)}})
             for (const EnergyOptions& options : {kPaper, EnergyOptions{}}) {
                 CAPTURE(name);
                 const Prepared problem(grid, options);
@@ -129,7 +130,8 @@ TEST_SUITE("core/solve") {
 
     TEST_CASE("box: KKT conditions hold, also on every non-manifold configuration") {
         for (const auto& [name, grid] :
-             {std::pair{"sectors", sectorGrid(20, 8.5)}, std::pair{"random", randomGrid(6, {6, 6, 6}, 3)},
+             {std::pair{"sectors", sectorGrid(20, 8.5)},
+              std::pair{"random", randomGrid(6, {6, 6, 6}, 3)},
               std::pair{"checkerboard",
                         makeGrid({5, 5, 5}, 1, [](const Vec3i& v) { return v.sum() % 2; })}})
             for (const EnergyOptions& options : {kPaper, EnergyOptions{}})
@@ -139,7 +141,8 @@ TEST_SUITE("core/solve") {
                     const Prepared problem(grid, options);
                     const auto solution = minimize(
                         problem.energy,
-                        {.displacementLimit = limit, .tolerance = 1e-9, .maxIterations = 100000}, {});
+                        {.displacementLimit = limit, .tolerance = 1e-9, .maxIterations = 100000},
+                        {});
                     REQUIRE(solution);
                     CHECK(solution->converged);
                     CHECK(kktViolation(problem.energy, solution->positions, limit) < 1e-6);
@@ -148,7 +151,8 @@ TEST_SUITE("core/solve") {
 
     TEST_CASE("differential: the box problem against projected gradient descent") {
         const Prepared problem(sectorGrid(12, 4.5), {.alpha = 0.02});
-        const SolveOptions options{.displacementLimit = 0.2, .tolerance = 1e-10, .maxIterations = 200000};
+        const SolveOptions options{
+            .displacementLimit = 0.2, .tolerance = 1e-10, .maxIterations = 200000};
         SolveOptions reference = options;
         reference.solver = SolverKind::gradientDescent;
         const auto fast = minimize(problem.energy, options, {});
@@ -173,8 +177,7 @@ TEST_SUITE("core/solve") {
             const PointelId p = pointel(i);
             clipped[p] = rest[p] + (clipped[p] - rest[p]).cwiseMin(limit).cwiseMax(-limit);
         }
-        CHECK(problem.energy.value(box->positions).total() <
-              problem.energy.value(clipped).total());
+        CHECK(problem.energy.value(box->positions).total() < problem.energy.value(clipped).total());
     }
 
     TEST_CASE("box: a limit that nothing reaches gives the free minimizer") {
@@ -205,9 +208,9 @@ TEST_SUITE("core/solve") {
             };
             for (std::size_t i = 0; i < base.surface.pointelCount(); ++i) {
                 const Vec3d p = base.surface.pointels[pointel(i)].cast<double>();
-                images.push_back(row(symmetry.point(p, grid.voxels.size()),
-                                     symmetry.point(expected->positions[pointel(i)],
-                                                    grid.voxels.size())));
+                images.push_back(
+                    row(symmetry.point(p, grid.voxels.size()),
+                        symmetry.point(expected->positions[pointel(i)], grid.voxels.size())));
                 found.push_back(row(moved.surface.pointels[pointel(i)].cast<double>(),
                                     solution->positions[pointel(i)]));
             }

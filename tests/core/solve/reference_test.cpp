@@ -95,15 +95,16 @@ TEST_SUITE("core/solve") {
                 CAPTURE(name);
                 const Energy energy(*surface, readNormals(root / shape, name, *surface),
                                     EnergyWeights::uniform(*surface, kPaper), kPaper, 1);
-                const auto solution = minimize(
-                    energy, {.displacementLimit = std::nullopt, .tolerance = 1e-10}, {});
+                const auto solution =
+                    minimize(energy, {.displacementLimit = std::nullopt, .tolerance = 1e-10}, {});
                 REQUIRE(solution);
                 const double before = energy.value(energy.restPositions()).total();
                 const double after = energy.value(solution->positions).total();
                 const double off = maxDifference(root / shape, name, *surface, solution->positions);
                 MESSAGE(shape << " " << name << ": E(p) " << before << ", E(P*) " << after
                               << ", largest difference of a coordinate " << off << " voxel");
-                CHECK(before == doctest::Approx(meta[name]["E_initial"].get<double>()).epsilon(1e-9));
+                CHECK(before ==
+                      doctest::Approx(meta[name]["E_initial"].get<double>()).epsilon(1e-9));
                 CHECK(after == doctest::Approx(meta[name]["E_pstar"].get<double>()).epsilon(1e-8));
                 CHECK(off < 1e-6);
             }

@@ -114,7 +114,8 @@ TEST_SUITE("core/surface") {
     }
 
     TEST_CASE("empty grid: no surface at all") {
-        const auto surface = extractSurface(makeGrid({3, 3, 3}, 1, [](const Vec3i&) { return 0; }), {});
+        const auto surface =
+            extractSurface(makeGrid({3, 3, 3}, 1, [](const Vec3i&) { return 0; }), {});
         REQUIRE(surface);
         CHECK(surface->surfelCount() == 0);
         CHECK(surface->pointelCount() == 0);
@@ -122,7 +123,8 @@ TEST_SUITE("core/surface") {
     }
 
     TEST_CASE("one voxel: a cube of 6 surfels, 8 pointels, no junction") {
-        const auto surface = extractSurface(makeGrid({1, 1, 1}, 1, [](const Vec3i&) { return 1; }), {});
+        const auto surface =
+            extractSurface(makeGrid({1, 1, 1}, 1, [](const Vec3i&) { return 1; }), {});
         REQUIRE(surface);
         CHECK(surface->surfelCount() == 6);
         CHECK(surface->pointelCount() == 8);
@@ -169,7 +171,8 @@ TEST_SUITE("core/surface") {
             CHECK(patch.end > patch.begin);
             for (std::uint32_t at = patch.begin; at < patch.end; ++at) {
                 CHECK(index(surface->interfaceOf[surface->byInterface[at]]) == i);
-                if (at > patch.begin) CHECK(surface->byInterface[at - 1] < surface->byInterface[at]);
+                if (at > patch.begin)
+                    CHECK(surface->byInterface[at - 1] < surface->byInterface[at]);
             }
             total += patch.end - patch.begin;
         }
@@ -184,8 +187,7 @@ TEST_SUITE("core/surface") {
             REQUIRE(surface);
             std::map<Label, Vec3i> sums;
             for (std::size_t i = 0; i < surface->surfelCount(); ++i) {
-                const LabelPair pair =
-                    surface->interfaces[surface->interfaceOf[surfel(i)]].labels;
+                const LabelPair pair = surface->interfaces[surface->interfaceOf[surfel(i)]].labels;
                 sums.try_emplace(pair.inner, Vec3i::Zero());
                 sums.try_emplace(pair.outer, Vec3i::Zero());
                 sums[pair.inner] += surface->trivialNormal(surfel(i));
@@ -235,14 +237,15 @@ TEST_SUITE("core/surface") {
     }
 
     TEST_CASE("reject: a cancelled run") {
-        const auto surface = extractSurface(ballGrid(12, 4), {.stopRequested = [] { return true; }});
+        const auto surface =
+            extractSurface(ballGrid(12, 4), {.stopRequested = [] { return true; }});
         REQUIRE_FALSE(surface);
         CHECK(surface.error().code == ErrorCode::cancelled);
     }
 
     TEST_CASE("links: symmetric, and complete away from junctions") {
-        for (const VoxelGrid& grid : {ballGrid(16, 6), sectorGrid(16, 6), checkerboard(),
-                                      randomGrid(3, {6, 6, 6}, 3)}) {
+        for (const VoxelGrid& grid :
+             {ballGrid(16, 6), sectorGrid(16, 6), checkerboard(), randomGrid(3, {6, 6, 6}, 3)}) {
             const auto surface = extractSurface(grid, {});
             REQUIRE(surface);
             const auto links = linkSurfels(*surface, {});

@@ -116,8 +116,8 @@ TEST_CASE("settings: --print-config shows every setting, and reads back") {
     CHECK(printed.line.exitCode == 0);
     for (const char* name :
          {"listen", "admin-listen", "workers", "threads-per-job", "queue-limit", "memory-budget",
-          "result-budget", "max-upload", "max-voxels", "max-labels", "deadline", "result-ttl",
-          "drain-timeout", "connections", "log-format", "log-level"}) {
+          "result-budget", "max-upload", "max-voxels", "max-extent", "max-models", "max-labels",
+          "deadline", "result-ttl", "drain-timeout", "connections", "log-format", "log-level"}) {
         CAPTURE(name);
         CHECK(("\n" + printed.out).find("\n" + std::string(name) + "=") != std::string::npos);
     }
