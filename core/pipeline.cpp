@@ -176,17 +176,6 @@ std::string colorText(const Rgba8& color) {
     return text.data();
 }
 
-std::string className(MaterialClass kind) {
-    switch (kind) {
-        case MaterialClass::opaque: return "opaque";
-        case MaterialClass::metal: return "metal";
-        case MaterialClass::glass: return "glass";
-        case MaterialClass::emissive: return "emissive";
-        case MaterialClass::cloud: return "cloud";
-    }
-    return {};
-}
-
 }  // namespace
 
 Result<Artifact> convert(std::span<const std::byte> input, const ConversionOptions& options,

@@ -13,6 +13,18 @@ using Rgba8 = std::array<std::uint8_t, 4>;  ///< sRGB colour, linear alpha
 /// The classes that `labels=auto` and the glTF materials tell apart.
 enum class MaterialClass : std::uint8_t { opaque, metal, glass, emissive, cloud };
 
+/// The name of a material class in reports and output files.
+[[nodiscard]] constexpr const char* className(MaterialClass kind) {
+    switch (kind) {
+        case MaterialClass::opaque: return "opaque";
+        case MaterialClass::metal: return "metal";
+        case MaterialClass::glass: return "glass";
+        case MaterialClass::emissive: return "emissive";
+        case MaterialClass::cloud: return "cloud";
+    }
+    return "opaque";
+}
+
 /// What a material id of a grid stands for. The first entry of a table is always empty space.
 struct Material {
     Label label = Label{0};

@@ -5,17 +5,6 @@
 namespace rivage::core {
 namespace {
 
-const char* className(MaterialClass kind) {
-    switch (kind) {
-        case MaterialClass::opaque: return "opaque";
-        case MaterialClass::metal: return "metal";
-        case MaterialClass::glass: return "glass";
-        case MaterialClass::emissive: return "emissive";
-        case MaterialClass::cloud: return "cloud";
-    }
-    return "opaque";
-}
-
 bool seeThrough(const Material& material) {
     return material.transmission > 0 &&
            (material.kind == MaterialClass::glass || material.kind == MaterialClass::cloud);

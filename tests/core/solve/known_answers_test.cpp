@@ -10,11 +10,7 @@ using namespace rivage::test;
 
 namespace {
 
-constexpr EnergyOptions kPaper{.alpha = 0.001,
-                               .beta = 1,
-                               .gamma = 0.05,
-                               .fairness = Fairness::umbrella,
-                               .junctionFairness = JunctionFairness::umbrella};
+const EnergyOptions kPaper = presetOptions(Preset::paper).energy;
 
 /// The convolved normals of the reference implementation: its hat is upside down, so that the
 /// weights 1 - 1/t + d/t^2 grow with the distance.

@@ -28,11 +28,7 @@ struct Prepared {
     Prepared(const Prepared&) = delete;
 };
 
-constexpr EnergyOptions kPaper{.alpha = 0.001,
-                               .beta = 1,
-                               .gamma = 0.05,
-                               .fairness = Fairness::umbrella,
-                               .junctionFairness = JunctionFairness::umbrella};
+const EnergyOptions kPaper = presetOptions(Preset::paper).energy;
 
 SolveOptions freely(SolverKind solver, double tolerance = 1e-10) {
     return {.solver = solver,

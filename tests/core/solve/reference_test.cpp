@@ -17,11 +17,7 @@ using namespace rivage::test;
 
 namespace {
 
-constexpr EnergyOptions kPaper{.alpha = 0.001,
-                               .beta = 1,
-                               .gamma = 0.05,
-                               .fairness = Fairness::umbrella,
-                               .junctionFairness = JunctionFairness::umbrella};
+const EnergyOptions kPaper = presetOptions(Preset::paper).energy;
 
 using Key = std::tuple<int, int, int>;
 using SurfelKey = std::pair<Key, Key>;
