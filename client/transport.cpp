@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 #include <utility>
 
 namespace rivage::client {
@@ -129,15 +130,20 @@ milliseconds Transport::delay(const Answer& answer, int tries) {
 }
 
 Outcome<httplib::Response> Transport::send(const httplib::Request& request, const BodySink* sink) {
+    std::optional<Failure> refusal;  // why the server refused tells more than that time is over
     for (int tries = 1;; ++tries) {
         if (interrupt_.requested()) return fail(ExitCode::cancelled, "Cancelled");
-        if (Clock::now() >= deadline_) return tl::unexpected(timeIsOver());
+        if (Clock::now() >= deadline_) return tl::unexpected(refusal.value_or(timeIsOver()));
         Answer answer = sendOnce(request, sink);
         if (interrupt_.requested()) return fail(ExitCode::cancelled, "Cancelled");
         if (answer.error == httplib::Error::Success && answer.response.status < 400)
             return std::move(answer.response);
 
         Failure failure = failureOf(answer);
+        if (answer.error == httplib::Error::Success)
+            refusal = failure;
+        else if (refusal && Clock::now() >= deadline_)
+            failure = *refusal;
         if (!worthAnotherTry(request, answer, tries)) return tl::unexpected(std::move(failure));
         const milliseconds pause = delay(answer, tries);
         if (pause >= deadline_ - Clock::now()) return tl::unexpected(std::move(failure));
