@@ -45,8 +45,7 @@ Result<Solution> solveCholesky(DisplacementSystem& system, const RunContext& run
     for (std::size_t i = 0; i < system.size(); ++i)
         d.raw()[i] = solved.segment<3>(static_cast<Eigen::Index>(3 * i));
     PointelVectors residual(system.size());
-    system.apply(d, residual);
-    system.forEach([&](PointelId i) { residual[i] -= system.rightSide()[i]; });
+    system.gradient(d, residual);
     const double initial = system.norm(system.rightSide());
     const double relative = initial > 0 ? system.norm(residual) / initial : 0;
     return Solution{system.positions(d), "cholesky", 1, relative, true};

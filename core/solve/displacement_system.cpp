@@ -13,6 +13,11 @@ DisplacementSystem::DisplacementSystem(const Energy& energy)
         [&](PointelId i) { rightSide_[i] = energy.weights().alpha[i] * rest[i] - rightSide_[i]; });
 }
 
+void DisplacementSystem::gradient(const PointelVectors& d, PointelVectors& out) {
+    apply(d, out);
+    forEach([&](PointelId i) { out[i] -= rightSide_[i]; });
+}
+
 PointelVectors DisplacementSystem::positions(const PointelVectors& d) const {
     PointelVectors x = energy_.restPositions();
     forEach([&](PointelId i) { x[i] += d[i]; });

@@ -20,6 +20,8 @@ public:
     [[nodiscard]] int threads() const { return energy_.threads(); }
     /// out = H d
     void apply(const PointelVectors& d, PointelVectors& out) { energy_.apply(d, out, scratch_); }
+    /// out = H d - b, half the gradient of the energy at p + d
+    void gradient(const PointelVectors& d, PointelVectors& out);
     /// p + d
     [[nodiscard]] PointelVectors positions(const PointelVectors& d) const;
 

@@ -12,18 +12,14 @@ Solution solveGradientDescent(DisplacementSystem& system, const Box& box,
             return (box.freeGradient(d[i], g[i]) + box.choppedGradient(d[i], g[i])).squaredNorm();
         }));
     };
-    const auto computeGradient = [&] {
-        system.apply(d, g);
-        system.forEach([&](PointelId i) { g[i] -= system.rightSide()[i]; });
-    };
 
-    computeGradient();
+    system.gradient(d, g);
     Convergence convergence(projectedNorm(), options, run);
     int iterations = 0;
     while (convergence.goOn(projectedNorm(), iterations)) {
         ++iterations;
         system.forEach([&](PointelId i) { d[i] = box.project(d[i] - g[i] / majorizer[i]); });
-        computeGradient();
+        system.gradient(d, g);
     }
     return {system.positions(d), "gradient-descent", iterations, convergence.relative(),
             convergence.reached()};

@@ -57,7 +57,7 @@ public:
                 d_[i] = work_[i];
             });
         }
-        computeGradient();
+        system_.gradient(d_, g_);
         restart();
         measure();
         return done;
@@ -164,7 +164,7 @@ private:
         const PointelVectors startGradient = g_;
         const double before = energy();
         system_.forEach([&](PointelId i) { d_[i] = box_.project(d_[i] - best * direction_[i]); });
-        computeGradient();
+        system_.gradient(d_, g_);
         if (energy() < before) {
             restart();
             return 1;
@@ -175,14 +175,9 @@ private:
         system_.forEach([&](PointelId i) {
             d_[i] = box_.project(d_[i] - kStep / majorizer_[i] * freeGradient(i));
         });
-        computeGradient();
+        system_.gradient(d_, g_);
         restart();
         return 2;
-    }
-
-    void computeGradient() {
-        system_.apply(d_, g_);
-        system_.forEach([&](PointelId i) { g_[i] -= system_.rightSide()[i]; });
     }
 
     // Half the energy less that of the rest positions.
