@@ -129,10 +129,10 @@ void measureDisplacement(const DigitalSurface& surface, const PointelVectors& po
 
 /// Normals, energy, minimizer and untangling: the positions of the pointels.
 Result<PointelVectors> regularize(const VoxelGrid& grid, const DigitalSurface& surface,
-                                  const MethodOptions& options, const RunContext& run,
-                                  ConversionReport& report) {
+                                  const SurfelLinks& links, const MethodOptions& options,
+                                  const RunContext& run, ConversionReport& report) {
     run.report(Stage::normals, 0);
-    auto normals = estimateNormals(grid, surface, options.normals, run);
+    auto normals = estimateNormals(grid, surface, links, options.normals, run);
     if (!normals) return fail(normals.error());
 
     run.report(Stage::solve, 0);
@@ -193,13 +193,15 @@ Result<Artifact> convert(std::span<const std::byte> input, const ConversionOptio
     if (const auto size = checkSize(grid, run); !size) return fail(size.error());
     const auto surface = extractSurface(grid, run);
     if (!surface) return fail(surface.error());
+    const auto links = linkSurfels(*surface, run);
+    if (!links) return fail(links.error());
     report.surface = describe(*surface, grid);
 
-    const auto positions = regularize(grid, *surface, options.method, run, report);
+    const auto positions = regularize(grid, *surface, *links, options.method, run, report);
     if (!positions) return fail(positions.error());
 
     run.report(Stage::mesh, 0);
-    const auto mesh = buildMesh(grid, *surface, *positions, options.output, run);
+    const auto mesh = buildMesh(grid, *surface, *links, *positions, options.output, run);
     if (!mesh) return fail(mesh.error());
     const bool glb = options.output.format == OutputFormat::glb;
     artifact.mediaType = glb ? "model/gltf-binary" : "model/obj";

@@ -85,7 +85,7 @@ void Energy::computeTangentialFairness() {
 PointelVectors Energy::restPositions() const {
     PointelVectors rest(size());
     for (std::size_t n = 0; n < size(); ++n)
-        rest[pointel(n)] = surface_.pointels[pointel(n)].cast<double>();
+        rest[pointel(n)] = surface_.position(pointel(n));
     return rest;
 }
 
@@ -121,7 +121,7 @@ EnergyReport Energy::value(const PointelVectors& x) const {
         double sum = 0;
         for (std::size_t n = begin; n < end; ++n) {
             const PointelId i = pointel(n);
-            sum += weights_.alpha[i] * (x[i] - surface_.pointels[i].cast<double>()).squaredNorm();
+            sum += weights_.alpha[i] * (x[i] - surface_.position(i)).squaredNorm();
         }
         return sum;
     });
@@ -199,7 +199,7 @@ PointelVectors Energy::gradient(const PointelVectors& x) const {
     apply(x, result, scratch);
     for (std::size_t n = 0; n < size(); ++n) {
         const PointelId i = pointel(n);
-        result[i] = 2 * (result[i] - weights_.alpha[i] * surface_.pointels[i].cast<double>());
+        result[i] = 2 * (result[i] - weights_.alpha[i] * surface_.position(i));
     }
     return result;
 }

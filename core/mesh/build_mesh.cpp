@@ -150,15 +150,13 @@ void setBox(const VoxelGrid& grid, const DigitalSurface& surface, Mesh& mesh) {
 }  // namespace
 
 Result<Mesh> buildMesh(const VoxelGrid& grid, const DigitalSurface& surface,
-                       const IdVector<PointelId, Vec3d>& positions, const OutputOptions& output,
-                       const RunContext& run) {
+                       const SurfelLinks& links, const IdVector<PointelId, Vec3d>& positions,
+                       const OutputOptions& output, const RunContext& run) {
     constexpr std::uint32_t kMaxFaces = 1U << 30;  // four corners a face have 32-bit numbers
     Mesh mesh;
     setBox(grid, surface, mesh);
     Styles styles(grid, output.colors);
     const auto ranks = ranksInInterface(surface);
-    const auto links = linkSurfels(surface, run);
-    if (!links) return fail(links.error());
     for (std::uint32_t i = 0; i < surface.interfaces.size(); ++i) {
         const Interface& sheet = surface.interfaces[InterfaceId{i}];
         if (sheet.begin == sheet.end) continue;
@@ -169,7 +167,7 @@ Result<Mesh> buildMesh(const VoxelGrid& grid, const DigitalSurface& surface,
                          .message = "one part of the mesh has too many faces",
                          .limit = kMaxFaces - 1,
                          .actual = sheet.end - sheet.begin});
-        Patch patch = buildPatch(surface, InterfaceId{i}, *links, ranks, run.threads);
+        Patch patch = buildPatch(surface, InterfaceId{i}, links, ranks, run.threads);
         PartData data =
             preparePart(surface, positions, std::move(patch), output.shading, run.threads);
         if (run.stopped()) return fail(run.stopError());

@@ -7,6 +7,7 @@
 #include "core/grid/voxel_grid.h"
 #include "core/mesh/mesh.h"
 #include "core/surface/digital_surface.h"
+#include "core/surface/surfel_links.h"
 
 namespace rivage::core {
 
@@ -15,6 +16,7 @@ namespace rivage::core {
 /// Positions of a pointel are equal in all parts, bit by bit. Normals are those of the whole part,
 /// so colour and material borders show no seam; vertices split where colour, material or (with
 /// `shading=crease`) normal differ, and where a part touches itself.
+/// @param links      of the surface
 /// @param positions  of the pointels, grid coordinates, voxels
 /// @param output     reads `parts`, `colors` and `shading`
 /// @return  parts by label pair, faces in the order of the surfels; the same bits for any thread
@@ -22,7 +24,7 @@ namespace rivage::core {
 /// @errors  outputTooLarge if a part has 2^30 faces or more; cancelled or timedOut
 /// @cost    O(surfels) time, about 150 bytes a surfel
 Result<Mesh> buildMesh(const VoxelGrid& grid, const DigitalSurface& surface,
-                       const IdVector<PointelId, Vec3d>& positions, const OutputOptions& output,
-                       const RunContext& run);
+                       const SurfelLinks& links, const IdVector<PointelId, Vec3d>& positions,
+                       const OutputOptions& output, const RunContext& run);
 
 }  // namespace rivage::core

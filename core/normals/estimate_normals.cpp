@@ -8,16 +8,14 @@ namespace {
 
 /// Calls `normal(surfel, walker)` for every surfel; a walker serves a block of surfels.
 template <typename Normal>
-Result<NormalField> estimateEach(const DigitalSurface& surface, const RunContext& run,
-                                 Normal&& normal) {
-    const auto links = linkSurfels(surface, run);
-    if (!links) return fail(links.error());
+Result<NormalField> estimateEach(const DigitalSurface& surface, const SurfelLinks& links,
+                                 const RunContext& run, Normal&& normal) {
     NormalField normals(surface.surfelCount());
     constexpr std::size_t kBlock = 512;
     parallelBlocks(surface.surfelCount(), kBlock, run.threads,
                    [&](std::size_t begin, std::size_t end) {
                        if (run.stopped()) return;
-                       PatchWalker walker(surface, *links);
+                       PatchWalker walker(surface, links);
                        for (std::size_t i = begin; i < end; ++i) {
                            const SurfelId s{static_cast<std::uint32_t>(i)};
                            normals[s] = normal(s, walker);
@@ -39,16 +37,17 @@ NormalField trivialNormals(const DigitalSurface& surface) {
 }  // namespace
 
 Result<NormalField> estimateNormals(const VoxelGrid& grid, const DigitalSurface& surface,
-                                    const NormalOptions& options, const RunContext& run) {
+                                    const SurfelLinks& links, const NormalOptions& options,
+                                    const RunContext& run) {
     switch (options.method) {
         case NormalMethod::trivial: return trivialNormals(surface);
         case NormalMethod::convolved:
-            return estimateEach(surface, run, [&](SurfelId s, PatchWalker& walker) {
+            return estimateEach(surface, links, run, [&](SurfelId s, PatchWalker& walker) {
                 return convolvedNormal(surface, walker, s, options.radius);
             });
         case NormalMethod::integralInvariant: {
             const IntegralInvariant invariant(grid, surface, options.radius);
-            return estimateEach(surface, run, [&](SurfelId s, PatchWalker& walker) {
+            return estimateEach(surface, links, run, [&](SurfelId s, PatchWalker& walker) {
                 return invariant.normal(s, walker);
             });
         }

@@ -61,6 +61,12 @@ struct DigitalSurface {
     IdVector<InterfaceId, Interface> interfaces;  ///< sorted by label pair
     std::vector<SurfelId> byInterface;            ///< surfels grouped by interface, ascending
 
+    /// Sides of a voxel; the shortest is 1, and lengths are measured in it.
+    Vec3d spacing = Vec3d::Ones();
+    /// Coordinates that may not move (bits 0-2), of pointels on the border of an open domain;
+    /// empty where all may.
+    IdVector<PointelId, std::uint8_t> fixedAxes;
+
     [[nodiscard]] std::size_t pointelCount() const { return pointels.size(); }
     [[nodiscard]] std::size_t surfelCount() const { return corners.size(); }
     /// The surfel with this lowest corner and axis; kNone where there is none.
@@ -73,6 +79,10 @@ struct DigitalSurface {
     /// The trivial normal: a unit lattice vector from the inner to the outer voxel.
     [[nodiscard]] Vec3i trivialNormal(SurfelId s) const {
         return Vec3i::Unit(axis[s]) * (innerIsLow[s] ? 1 : -1);
+    }
+    /// Where a pointel rests, in units of the shortest side of a voxel.
+    [[nodiscard]] Vec3d position(PointelId p) const {
+        return pointels[p].cast<double>().cwiseProduct(spacing);
     }
     /// Twice the centre, so that it stays integer.
     [[nodiscard]] Vec3i doubleCentre(SurfelId s) const {

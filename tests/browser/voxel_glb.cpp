@@ -37,7 +37,7 @@ Result<std::vector<std::byte>> cubes(const std::string& name) {
     IdVector<PointelId, Vec3d> positions;
     for (const Vec3i& pointel : surface->pointels) positions.push_back(pointel.cast<double>());
     const OutputOptions output{.shading = Shading::flat};
-    const auto mesh = buildMesh(*grid, *surface, positions, output, {});
+    const auto mesh = buildMesh(*grid, *surface, *linkSurfels(*surface, {}), positions, output, {});
     if (!mesh) return fail(mesh.error());
     return writeGlb(*mesh, output, {{"input", name}}, {});
 }

@@ -22,8 +22,9 @@ struct Regularized {
 inline Regularized regularize(const VoxelGrid& grid, const MethodOptions& options,
                               const RunContext& run = {}) {
     Regularized result{*extractSurface(grid, run), {}};
+    const SurfelLinks links = *linkSurfels(result.surface, run);
     const Energy energy(
-        result.surface, *estimateNormals(grid, result.surface, options.normals, run),
+        result.surface, *estimateNormals(grid, result.surface, links, options.normals, run),
         EnergyWeights::uniform(result.surface, options.energy), options.energy, run.threads);
     result.positions = minimize(energy, options.solve, run)->positions;
     if (options.solve.untangle) untangle(result.surface, result.positions, run);

@@ -197,7 +197,8 @@ TEST_SUITE("core/energy") {
     TEST_CASE("determinism: threads 1, 2, 7 give the same bits") {
         const VoxelGrid grid = sectorGrid(40, 17);
         const DigitalSurface surface = *extractSurface(grid, {});
-        const NormalField normals = *estimateNormals(grid, surface, {}, {});
+        const NormalField normals =
+            *estimateNormals(grid, surface, *linkSurfels(surface, {}), {}, {});
         const auto weights = EnergyWeights::uniform(surface, {});
         PointelVectors expected;
         for (const int threads : {1, 2, 7}) {

@@ -278,7 +278,8 @@ TEST_CASE("property: normals are unit, vertices used, places right on random lab
 TEST_CASE("buildMesh: collapsed faces still get a unit normal") {
     Built built = build(voxels({1, 1, 1}, {{0, 0, 0}}));
     for (Vec3d& position : built.positions) position = Vec3d::Zero();
-    const Mesh mesh = *buildMesh(built.grid, built.surface, built.positions, {}, {});
+    const Mesh mesh = *buildMesh(built.grid, built.surface, *linkSurfels(built.surface, {}),
+                                 built.positions, {}, {});
     for (const Vec3f& normal : mesh.parts[0].primitives[0].normals)
         CHECK(std::abs(normal.norm() - 1) < 1e-6F);
 }
@@ -294,8 +295,8 @@ TEST_CASE("determinism: threads 1, 2, 7") {
 
 TEST_CASE("buildMesh: a stop request ends it") {
     const Built built = build(islandGrid());
-    const auto stopped = buildMesh(built.grid, built.surface, built.positions, {},
-                                   {.stopRequested = [] { return true; }});
+    const auto stopped = buildMesh(built.grid, built.surface, *linkSurfels(built.surface, {}),
+                                   built.positions, {}, {.stopRequested = [] { return true; }});
     REQUIRE_FALSE(stopped);
     CHECK(stopped.error().code == ErrorCode::cancelled);
 }

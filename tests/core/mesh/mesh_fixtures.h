@@ -64,8 +64,8 @@ inline Built build(VoxelGrid grid, const OutputOptions& options = {}, double amp
     Built built{.grid = std::move(grid)};
     built.surface = *extractSurface(built.grid, {});
     built.positions = movedPositions(built.surface, amplitude);
-    built.mesh =
-        *buildMesh(built.grid, built.surface, built.positions, options, {.threads = threads});
+    built.mesh = *buildMesh(built.grid, built.surface, *linkSurfels(built.surface, {}),
+                            built.positions, options, {.threads = threads});
     return built;
 }
 

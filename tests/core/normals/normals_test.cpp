@@ -24,7 +24,7 @@ template <typename Truth>
 double meanError(const VoxelGrid& grid, const NormalOptions& options, Truth&& truth) {
     const auto surface = extractSurface(grid, {});
     REQUIRE(surface);
-    const auto normals = estimateNormals(grid, *surface, options, {});
+    const auto normals = estimateNormals(grid, *surface, *linkSurfels(*surface, {}), options, {});
     REQUIRE(normals);
     double sum = 0;
     int count = 0;
@@ -55,7 +55,8 @@ TEST_SUITE("core/normals") {
         const VoxelGrid grid = sectorGrid(12, 5);
         const auto surface = extractSurface(grid, {});
         REQUIRE(surface);
-        const auto normals = estimateNormals(grid, *surface, {.method = NormalMethod::trivial}, {});
+        const auto normals = estimateNormals(grid, *surface, *linkSurfels(*surface, {}),
+                                             {.method = NormalMethod::trivial}, {});
         REQUIRE(normals);
         for (std::size_t i = 0; i < surface->surfelCount(); ++i)
             CHECK((*normals)[surfel(i)] ==
@@ -112,7 +113,8 @@ TEST_SUITE("core/normals") {
         const auto surface = extractSurface(grid, {});
         REQUIRE(surface);
         const NormalOptions options{.method = NormalMethod::integralInvariant, .radius = 3};
-        const auto normals = estimateNormals(grid, *surface, options, {});
+        const auto normals =
+            estimateNormals(grid, *surface, *linkSurfels(*surface, {}), options, {});
         const auto links = linkSurfels(*surface, {});
         REQUIRE(normals);
         REQUIRE(links);
@@ -132,8 +134,9 @@ TEST_SUITE("core/normals") {
             const VoxelGrid grid = makeGrid(size, 1, [](const Vec3i&) { return 1; });
             const auto surface = extractSurface(grid, {});
             REQUIRE(surface);
-            const auto normals = estimateNormals(
-                grid, *surface, {.method = NormalMethod::convolved, .radius = 3}, {});
+            const auto normals =
+                estimateNormals(grid, *surface, *linkSurfels(*surface, {}),
+                                {.method = NormalMethod::convolved, .radius = 3}, {});
             REQUIRE(normals);
             for (std::size_t i = 0; i < surface->surfelCount(); ++i) {
                 const Vec3d centre = surface->doubleCentre(surfel(i)).cast<double>() / 2;
@@ -154,10 +157,12 @@ TEST_SUITE("core/normals") {
         for (const NormalMethod method :
              {NormalMethod::convolved, NormalMethod::integralInvariant}) {
             const NormalOptions options{.method = method, .radius = 3};
-            const auto one = estimateNormals(grid, *surface, options, {.threads = 1});
+            const auto one = estimateNormals(grid, *surface, *linkSurfels(*surface, {}), options,
+                                             {.threads = 1});
             REQUIRE(one);
             for (const int threads : {2, 7})
-                CHECK(*estimateNormals(grid, *surface, options, {.threads = threads}) == *one);
+                CHECK(*estimateNormals(grid, *surface, *linkSurfels(*surface, {}), options,
+                                       {.threads = threads}) == *one);
         }
     }
 
@@ -165,8 +170,8 @@ TEST_SUITE("core/normals") {
         const VoxelGrid grid = ballGrid(12, 4);
         const auto surface = extractSurface(grid, {});
         REQUIRE(surface);
-        const auto normals =
-            estimateNormals(grid, *surface, {}, {.stopRequested = [] { return true; }});
+        const auto normals = estimateNormals(grid, *surface, *linkSurfels(*surface, {}), {},
+                                             {.stopRequested = [] { return true; }});
         REQUIRE_FALSE(normals);
         CHECK(normals.error().code == ErrorCode::cancelled);
     }

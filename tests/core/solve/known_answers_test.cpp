@@ -66,8 +66,8 @@ TEST_SUITE("core/solve") {
         const VoxelGrid grid = goursatGrid();
         const auto surface = extractSurface(grid, {});
         REQUIRE(surface);
-        auto normals =
-            estimateNormals(grid, *surface, {.method = NormalMethod::convolved, .radius = 3}, {});
+        auto normals = estimateNormals(grid, *surface, *linkSurfels(*surface, {}),
+                                       {.method = NormalMethod::convolved, .radius = 3}, {});
         REQUIRE(normals);
         const Answer answer = solveGoursat(*surface, *std::move(normals));
         CHECK(answer.before == doctest::Approx(1556.9186).epsilon(1e-7));

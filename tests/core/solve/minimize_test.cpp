@@ -23,7 +23,7 @@ struct Prepared {
                       const NormalOptions& normals = {})
         : grid(std::move(g)),
           surface(*extractSurface(grid, {})),
-          energy(surface, *estimateNormals(grid, surface, normals, {}),
+          energy(surface, *estimateNormals(grid, surface, *linkSurfels(surface, {}), normals, {}),
                  EnergyWeights::uniform(surface, options), options, threads) {}
     Prepared(const Prepared&) = delete;
 };
