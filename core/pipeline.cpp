@@ -110,8 +110,8 @@ SurfaceReport describe(const DigitalSurface& surface, const VoxelGrid& grid) {
         return label == Label{0} ? std::string("background") : grid.labels[label];
     };
     for (const Interface& patch : surface.interfaces)
-        report.interfaces.push_back(
-            {name(patch.labels.inner), name(patch.labels.outer), patch.end - patch.begin});
+        report.interfaces.push_back({name(patch.labels.inner), name(patch.labels.outer),
+                                     patch.end - patch.begin, std::nullopt});
     return report;
 }
 
@@ -127,16 +127,25 @@ void measureDisplacement(const DigitalSurface& surface, const PointelVectors& po
     report.displacementRms = std::sqrt(squares / static_cast<double>(positions.size()));
 }
 
+/// What the automatic normals chose, into the interfaces of the report.
+void reportChoices(const NormalOptions& options, const std::vector<InterfaceNormals>& choices,
+                   SurfaceReport& report) {
+    if (options.method != NormalMethod::automatic) return;
+    for (std::size_t i = 0; i < choices.size(); ++i)
+        report.interfaces[i].normals = {choices[i].noise, choices[i].sharp, choices[i].radius};
+}
+
 /// Normals, energy, minimizer and untangling: the positions of the pointels.
 Result<PointelVectors> regularize(const VoxelGrid& grid, const DigitalSurface& surface,
                                   const SurfelLinks& links, const MethodOptions& options,
                                   const RunContext& run, ConversionReport& report) {
     run.report(Stage::normals, 0);
-    auto normals = estimateNormals(grid, surface, links, options.normals, run);
-    if (!normals) return fail(normals.error());
+    auto estimate = estimateNormalsAndChoices(grid, surface, links, options.normals, run);
+    if (!estimate) return fail(estimate.error());
+    reportChoices(options.normals, estimate->interfaces, report.surface);
 
     run.report(Stage::solve, 0);
-    const Energy energy(surface, *std::move(normals),
+    const Energy energy(surface, std::move(estimate->normals),
                         EnergyWeights::uniform(surface, options.energy), options.energy,
                         run.threads);
     auto solution = minimize(energy, options.solve, run);

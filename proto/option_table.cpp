@@ -155,26 +155,9 @@ Option labelsOption() {
             }};
 }
 
-/// `auto` leaves what the preset chose, so it is a word that no method is numbered by.
-Option normalsOption() {
-    const std::vector<std::string> words{"auto", "trivial", "convolved", "integral-invariant"};
-    return {
-        {"normals", "method", OptionType::choice, words, 0, 0,
-         "How the normal of each voxel face is estimated; auto is the preset's method."},
-        [](JobOptions& options, const OptionValue& value) {
-            const std::size_t index = std::get<Word>(value).index;
-            if (index > 0)
-                options.conversion.method.normals.method =
-                    static_cast<core::NormalMethod>(index - 1);
-        },
-        [words](const JobOptions& options) -> Json {
-            return words[1 + static_cast<std::size_t>(options.conversion.method.normals.method)];
-        }};
-}
-
 /// Setting the preset sets every method option, so it has to come first.
 Option presetOption() {
-    const std::vector<std::string> words{"studio", "paper"};
+    const std::vector<std::string> words{"studio", "paper", "organic", "architectural", "noisy"};
     return {{"preset", "method", OptionType::choice, words, 0, 0,
              "Sets every method option; those given beside it win."},
             [](JobOptions& options, const OptionValue& value) {
@@ -250,14 +233,52 @@ void addEnergy(std::vector<Option>& table) {
                            energy(&core::EnergyOptions::junctionFairness)));
 }
 
+bool isPiecewiseSmooth(const ConversionOptions& options) {
+    return options.method.normals.method == core::NormalMethod::piecewiseSmooth;
+}
+
+void addNormals(std::vector<Option>& table) {
+    using core::PiecewiseSmoothOptions;
+    table.push_back(choice(
+        "normals", "method",
+        {"auto", "guided", "disc-vote", "convolved", "integral-invariant", "piecewise-smooth",
+         "robust", "trivial"},
+        "How the normal of each voxel face is estimated; auto looks at each place whether it is "
+        "smooth, a crease or noisy.",
+        [](ConversionOptions& o) -> core::NormalMethod& { return o.method.normals.method; }));
+    table.push_back(onlyWith(
+        "normals other than robust and trivial",
+        numberOr(
+            "auto", "radius", "method", {0.5, 32},
+            "Radius of the normal estimation, in voxels; auto is what suits the method.",
+            [](ConversionOptions & o) -> auto& { return o.method.normals.radius; }),
+        [](const ConversionOptions& options) {
+            const core::NormalMethod method = options.method.normals.method;
+            return method != core::NormalMethod::robust && method != core::NormalMethod::trivial;
+        }));
+    const auto weight = [](auto member) {
+        return [member](ConversionOptions & o) -> auto& {
+            return o.method.normals.piecewiseSmooth.*member;
+        };
+    };
+    table.push_back(onlyWith("normals=piecewise-smooth",
+                             number("smoothing_alpha", "method", {1e-4, 100},
+                                    "Piecewise smooth normals: the smaller, the larger the area "
+                                    "that is smoothed over.",
+                                    weight(&PiecewiseSmoothOptions::alpha)),
+                             isPiecewiseSmooth));
+    table.push_back(onlyWith("normals=piecewise-smooth",
+                             number("smoothing_lambda", "method", {1e-4, 100},
+                                    "Piecewise smooth normals: the smaller, the longer the sharp "
+                                    "features may be.",
+                                    weight(&PiecewiseSmoothOptions::lambda)),
+                             isPiecewiseSmooth));
+}
+
 void addSolve(std::vector<Option>& table) {
     const auto solve = [](auto member) {
         return [member](ConversionOptions & o) -> auto& { return o.method.solve.*member; };
     };
-    table.push_back(normalsOption());
-    table.push_back(
-        number("radius", "method", {0.5, 32}, "Radius of the normal estimation, in voxels.",
-               [](ConversionOptions& o) -> double& { return o.method.normals.radius; }));
     table.push_back(numberOr("none", "displacement_limit", "method", {0.001, 16},
                              "How far a vertex may move along each axis, in voxels; below 0.5 "
                              "every voxel centre keeps its side.",
@@ -334,6 +355,7 @@ std::vector<Option> makeTable() {
     std::vector<Option> table;
     addInput(table);
     addEnergy(table);
+    addNormals(table);
     addSolve(table);
     addOutput(table);
     addCompression(table);

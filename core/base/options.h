@@ -36,15 +36,31 @@ struct InputOptions {
     int frame = 0;                    ///< which model of a shape with several frames
 };
 
-enum class NormalMethod : std::uint8_t { trivial, convolved, integralInvariant };
+enum class NormalMethod : std::uint8_t {
+    automatic,
+    guided,
+    discVote,
+    convolved,
+    integralInvariant,
+    piecewiseSmooth,
+    robust,
+    trivial
+};
 enum class Fairness : std::uint8_t { umbrella, tangential };
 enum class JunctionFairness : std::uint8_t { umbrella, curve };
 enum class SolverKind : std::uint8_t { automatic, pcg, projected, gradientDescent, cholesky };
-enum class Preset : std::uint8_t { studio, paper };
+enum class Preset : std::uint8_t { studio, paper, organic, architectural, noisy };
+
+/// The weights of the Ambrosio-Tortorelli functional.
+struct PiecewiseSmoothOptions {
+    double alpha = 0.1;     ///< the smaller, the larger the area that is smoothed over
+    double lambda = 0.025;  ///< the smaller, the longer the features that it may have
+};
 
 struct NormalOptions {
-    NormalMethod method = NormalMethod::convolved;
-    double radius = 4;  ///< voxels
+    NormalMethod method = NormalMethod::automatic;
+    std::optional<double> radius;  ///< voxels; none: what suits the method
+    PiecewiseSmoothOptions piecewiseSmooth = {};
 };
 
 struct EnergyOptions {

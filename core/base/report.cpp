@@ -17,9 +17,14 @@ Json toJson(const InputReport& input) {
 
 Json toJson(const SurfaceReport& surface) {
     Json interfaces = Json::array();
-    for (const auto& patch : surface.interfaces)
+    for (const auto& patch : surface.interfaces) {
         interfaces.push_back(
             {{"inner", patch.inner}, {"outer", patch.outer}, {"surfels", patch.surfels}});
+        if (patch.normals)
+            interfaces.back()["normals"] = {{"noise", patch.normals->noise},
+                                            {"sharp", patch.normals->sharp},
+                                            {"radius", patch.normals->radius}};
+    }
     return {{"pointels", surface.pointels},
             {"surfels", surface.surfels},
             {"linels", surface.linels},

@@ -31,10 +31,17 @@ struct SurfaceReport {
     std::uint64_t linels = 0;
     std::uint64_t junctionLinels = 0;
     std::uint64_t junctionPointels = 0;
+    /// What `normals=auto` chose, as means over an interface.
+    struct NormalChoice {
+        double noise = 0;   ///< 0 clean .. 1 noisy: share of the estimate for noisy labels
+        double sharp = 0;   ///< share of the estimate for creases, 0 .. 1
+        double radius = 0;  ///< of the windows on smooth parts, voxels
+    };
     struct InterfaceInfo {
         std::string inner;
         std::string outer;
         std::uint64_t surfels = 0;
+        std::optional<NormalChoice> normals;
     };
     std::vector<InterfaceInfo> interfaces;
 };

@@ -84,8 +84,7 @@ void Energy::computeTangentialFairness() {
 
 PointelVectors Energy::restPositions() const {
     PointelVectors rest(size());
-    for (std::size_t n = 0; n < size(); ++n)
-        rest[pointel(n)] = surface_.position(pointel(n));
+    for (std::size_t n = 0; n < size(); ++n) rest[pointel(n)] = surface_.position(pointel(n));
     return rest;
 }
 

@@ -6,8 +6,8 @@ Vec3d convolvedNormal(const DigitalSurface& surface, PatchWalker& walker, Surfel
                       double radius) {
     Vec3d sum = Vec3d::Zero();
     double weights = 0;
-    walker.walk(s, radius, [&](SurfelId g, double distance) {
-        const double weight = 1 - distance / radius;
+    walker.walk(s, radius, [&](SurfelId g, const Vec3d&, double distance) {
+        const double weight = (1 - distance / radius) * surface.faceArea(surface.axis[g]);
         sum[surface.axis[g]] += surface.innerIsLow[g] ? weight : -weight;
         weights += weight;
     });

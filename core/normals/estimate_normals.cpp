@@ -1,28 +1,32 @@
-#include "core/base/parallel.h"
+#include "core/normals/auto_normals.h"
 #include "core/normals/convolved.h"
+#include "core/normals/guided.h"
 #include "core/normals/integral_invariant.h"
 #include "core/normals/normal_field.h"
+#include "core/normals/piecewise_smooth.h"
+#include "core/normals/robust.h"
+#include "core/normals/surfel_loop.h"
 
 namespace rivage::core {
 namespace {
 
-/// Calls `normal(surfel, walker)` for every surfel; a walker serves a block of surfels.
+/// Calls `normal(surfel, walker)` for every surfel.
 template <typename Normal>
 Result<NormalField> estimateEach(const DigitalSurface& surface, const SurfelLinks& links,
                                  const RunContext& run, Normal&& normal) {
     NormalField normals(surface.surfelCount());
-    constexpr std::size_t kBlock = 512;
-    parallelBlocks(surface.surfelCount(), kBlock, run.threads,
-                   [&](std::size_t begin, std::size_t end) {
-                       if (run.stopped()) return;
-                       PatchWalker walker(surface, links);
-                       for (std::size_t i = begin; i < end; ++i) {
-                           const SurfelId s{static_cast<std::uint32_t>(i)};
-                           normals[s] = normal(s, walker);
-                       }
-                   });
-    if (run.stopped()) return fail(run.stopError());
+    const bool done = forEachSurfel(surface, links, run, [&](SurfelId s, PatchWalker& walker) {
+        normals[s] = normal(s, walker);
+    });
+    if (!done) return fail(run.stopError());
     return normals;
+}
+
+Result<NormalField> convolvedNormals(const DigitalSurface& surface, const SurfelLinks& links,
+                                     double radius, const RunContext& run) {
+    return estimateEach(surface, links, run, [&](SurfelId s, PatchWalker& walker) {
+        return convolvedNormal(surface, walker, s, radius);
+    });
 }
 
 NormalField trivialNormals(const DigitalSurface& surface) {
@@ -39,20 +43,45 @@ NormalField trivialNormals(const DigitalSurface& surface) {
 Result<NormalField> estimateNormals(const VoxelGrid& grid, const DigitalSurface& surface,
                                     const SurfelLinks& links, const NormalOptions& options,
                                     const RunContext& run) {
+    const auto radius = [&](double usual) { return options.radius.value_or(usual); };
     switch (options.method) {
-        case NormalMethod::trivial: return trivialNormals(surface);
-        case NormalMethod::convolved:
-            return estimateEach(surface, links, run, [&](SurfelId s, PatchWalker& walker) {
-                return convolvedNormal(surface, walker, s, options.radius);
-            });
+        case NormalMethod::automatic: {
+            auto estimate = autoNormals(surface, links, options.radius, run);
+            if (!estimate) return fail(estimate.error());
+            return std::move(estimate->normals);
+        }
+        case NormalMethod::guided: return guidedNormals(surface, links, radius(4), run);
+        case NormalMethod::discVote: return discVoteNormals(surface, links, radius(6), run);
+        case NormalMethod::convolved: return convolvedNormals(surface, links, radius(4), run);
         case NormalMethod::integralInvariant: {
-            const IntegralInvariant invariant(grid, surface, options.radius);
+            const IntegralInvariant invariant(grid, surface, radius(3));
             return estimateEach(surface, links, run, [&](SurfelId s, PatchWalker& walker) {
                 return invariant.normal(s, walker);
             });
         }
+        case NormalMethod::piecewiseSmooth: {
+            const auto input = convolvedNormals(surface, links, radius(3), run);
+            if (!input) return input;
+            return piecewiseSmoothNormals(surface, links, *input, options.piecewiseSmooth, run);
+        }
+        case NormalMethod::robust:
+            return robustNormals(
+                surface, links, [](SurfelId) { return true; }, run);
+        case NormalMethod::trivial: return trivialNormals(surface);
     }
     return fail(ErrorCode::internal, "unknown normal estimator");
+}
+
+Result<NormalEstimate> estimateNormalsAndChoices(const VoxelGrid& grid,
+                                                 const DigitalSurface& surface,
+                                                 const SurfelLinks& links,
+                                                 const NormalOptions& options,
+                                                 const RunContext& run) {
+    if (options.method == NormalMethod::automatic)
+        return autoNormals(surface, links, options.radius, run);
+    auto normals = estimateNormals(grid, surface, links, options, run);
+    if (!normals) return fail(normals.error());
+    return NormalEstimate{*std::move(normals), {}};
 }
 
 }  // namespace rivage::core

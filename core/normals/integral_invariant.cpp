@@ -7,17 +7,17 @@ namespace rivage::core {
 namespace {
 
 /// From the centre of a surfel to the centre of a voxel, relative to the voxel at its low corner.
-Vec3d fromCentre(const Vec3i& voxel, int axis) {
-    return voxel.cast<double>() + 0.5 * Vec3d::Unit(axis);
+Vec3d fromCentre(const Vec3i& voxel, int axis, const Vec3d& spacing) {
+    return (voxel.cast<double>() + 0.5 * Vec3d::Unit(axis)).cwiseProduct(spacing);
 }
 
-std::vector<Vec3i> voxelsOfBall(double radius, int axis) {
+std::vector<Vec3i> voxelsOfBall(double radius, int axis, const Vec3d& spacing) {
     const int reach = static_cast<int>(std::ceil(radius)) + 1;
     std::vector<Vec3i> voxels;
     for (int z = -reach; z <= reach; ++z)
         for (int y = -reach; y <= reach; ++y)
             for (int x = -reach; x <= reach; ++x)
-                if (fromCentre({x, y, z}, axis).squaredNorm() <= radius * radius)
+                if (fromCentre({x, y, z}, axis, spacing).squaredNorm() <= radius * radius)
                     voxels.emplace_back(x, y, z);
     return voxels;
 }
@@ -41,7 +41,7 @@ struct Moments {
 IntegralInvariant::IntegralInvariant(const VoxelGrid& grid, const DigitalSurface& surface,
                                      double radius)
     : grid_(grid), surface_(surface), radius_(radius) {
-    for (int axis = 0; axis < 3; ++axis) ball_[axis] = voxelsOfBall(radius, axis);
+    for (int axis = 0; axis < 3; ++axis) ball_[axis] = voxelsOfBall(radius, axis, surface.spacing);
 }
 
 Vec3d IntegralInvariant::normal(SurfelId s, PatchWalker& walker) const {
@@ -53,9 +53,9 @@ Vec3d IntegralInvariant::normal(SurfelId s, PatchWalker& walker) const {
     for (const Vec3i& voxel : ball_[axis]) {
         const Label label = grid_.labelAt(corner + voxel);
         if (label == labels.inner)
-            inner.add(fromCentre(voxel, axis));
+            inner.add(fromCentre(voxel, axis, surface_.spacing));
         else if (label == labels.outer)
-            outer.add(fromCentre(voxel, axis));
+            outer.add(fromCentre(voxel, axis, surface_.spacing));
         else
             return convolvedNormal(surface_, walker, s, radius_);
     }

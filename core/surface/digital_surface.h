@@ -84,7 +84,15 @@ struct DigitalSurface {
     [[nodiscard]] Vec3d position(PointelId p) const {
         return pointels[p].cast<double>().cwiseProduct(spacing);
     }
-    /// Twice the centre, so that it stays integer.
+    /// The middle of a surfel, in units of the shortest side of a voxel.
+    [[nodiscard]] Vec3d centre(SurfelId s) const {
+        return 0.5 * doubleCentre(s).cast<double>().cwiseProduct(spacing);
+    }
+    /// Area of the surfels across an axis, in squares of the shortest side of a voxel.
+    [[nodiscard]] double faceArea(int normalAxis) const {
+        return spacing[(normalAxis + 1) % 3] * spacing[(normalAxis + 2) % 3];
+    }
+    /// Twice the centre on the lattice, so that it stays integer.
     [[nodiscard]] Vec3i doubleCentre(SurfelId s) const {
         return pointels[corners[s][0]] + pointels[corners[s][2]];
     }

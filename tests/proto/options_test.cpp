@@ -26,6 +26,7 @@ core::Result<JobOptions> parse(const std::vector<OptionText>& text, const std::s
 std::vector<OptionText> beside(const std::string& name) {
     if (name == "type") return {{"format", "raw"}, {"dims", "1x1x1"}};
     if (name == "dims") return {{"format", "raw"}};
+    if (name.starts_with("smoothing_")) return {{"normals", "piecewise-smooth"}};
     return {};
 }
 
@@ -80,8 +81,7 @@ TEST_CASE("parseOptions: every word of every option, as text and as JSON") {
             const auto fromJson = parseOneJson(info.name, word);
             REQUIRE(fromJson);
             CHECK(proto::toJson(*fromText) == proto::toJson(*fromJson));
-            if (info.name != "normals" || word != "auto")
-                CHECK(valueOf(*fromText, info.name) == word);
+            CHECK(valueOf(*fromText, info.name) == word);
         }
     }
 }
@@ -135,11 +135,10 @@ TEST_CASE("reject: JSON values of the wrong type, for every option") {
 TEST_CASE("reject: the message names the option, what is allowed and what was given") {
     const auto options = parse({{"radius", "99"}});
     REQUIRE_FALSE(options);
-    CHECK(options.error().message == "radius must be a number from 0.5 to 32, not \"99\"");
-    const auto word = parse({{"normals", "guided"}});
+    CHECK(options.error().message == "radius must be a number from 0.5 to 32, or auto, not \"99\"");
+    const auto word = parse({{"fairness", "guided"}});
     REQUIRE_FALSE(word);
-    CHECK(word.error().message ==
-          "normals must be auto, trivial, convolved or integral-invariant, not \"guided\"");
+    CHECK(word.error().message == "fairness must be umbrella or tangential, not \"guided\"");
     const auto near = parse({{"compression", "darco"}});
     REQUIRE_FALSE(near);
     CHECK(near.error().message.ends_with("did you mean draco?"));
@@ -184,14 +183,16 @@ TEST_CASE("parseOptions: the preset comes first, what is given beside it wins in
     CHECK(proto::toJson(*split) == proto::toJson(*before));
 }
 
-TEST_CASE("parseOptions: normals auto keeps what the preset chose") {
-    for (const char* preset : {"studio", "paper"}) {
-        const auto given = parse({{"normals", "auto"}, {"preset", preset}});
-        const auto plain = parse({{"preset", preset}});
-        REQUIRE(given);
-        REQUIRE(plain);
-        CHECK(proto::toJson(*given) == proto::toJson(*plain));
-    }
+TEST_CASE("parseOptions: every preset sets what it stands for") {
+    const auto noisy = parse({{"preset", "noisy"}});
+    REQUIRE(noisy);
+    CHECK(noisy->conversion.method.normals.method == core::NormalMethod::robust);
+    CHECK(noisy->conversion.method.solve.displacementLimit == 1.5);
+    checkRefused(parse({{"preset", "noisy"}, {"radius", "4"}}), ErrorCode::invalidOption,
+                 "/options/radius");
+    const auto architectural = parse({{"preset", "architectural"}});
+    REQUIRE(architectural);
+    CHECK(architectural->conversion.method.energy.alpha == 0.05);
 }
 
 TEST_CASE("parseOptions: dims as text and as JSON") {

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -63,6 +64,40 @@ inline VoxelGrid sectorGrid(int side, double radius, int sectors = 3) {
         const double turn = std::atan2(p.dot(w), p.dot(u)) / (2 * M_PI) + 0.5;
         return 1 + static_cast<int>(turn * sectors) % sectors;
     });
+}
+
+/// Flips voxels of a grid from `makeGrid` to the label of the nearest voxel of another label with
+/// the probability p^d, where d >= 1 is the distance to it in steps (Kanungo's noise model).
+inline VoxelGrid withLabelNoise(const VoxelGrid& grid, double p, std::uint32_t seed) {
+    constexpr int kReach = 4;
+    std::mt19937 random(seed);
+    VoxelGrid noisy = grid;
+    const Vec3i& size = grid.voxels.size();
+    // The distance is tried ring by ring; ties go to the first in lattice order.
+    const auto nearestOther = [&](const Vec3i& v, int distance) -> std::optional<Label> {
+        for (int dz = -distance; dz <= distance; ++dz)
+            for (int dy = -distance; dy <= distance; ++dy)
+                for (int dx = -distance; dx <= distance; ++dx) {
+                    if (std::abs(dx) + std::abs(dy) + std::abs(dz) != distance) continue;
+                    const Label label = grid.labelAt(v + Vec3i(dx, dy, dz));
+                    if (label != grid.labelAt(v)) return label;
+                }
+        return std::nullopt;
+    };
+    for (int z = 1; z < size.z() - 1; ++z)
+        for (int y = 1; y < size.y() - 1; ++y)
+            for (int x = 1; x < size.x() - 1; ++x) {
+                const Vec3i v(x, y, z);
+                const double draw = static_cast<double>(random()) / 4294967296.0;
+                for (int distance = 1; distance <= kReach; ++distance) {
+                    const auto other = nearestOther(v, distance);
+                    if (!other) continue;
+                    if (draw < std::pow(p, distance))
+                        noisy.voxels.set(v, static_cast<MaterialId>(index(*other)));
+                    break;
+                }
+            }
+    return noisy;
 }
 
 /// One of the 48 symmetries of the cube: a signed permutation of the axes.

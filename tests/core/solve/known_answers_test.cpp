@@ -23,7 +23,7 @@ NormalField invertedHatNormals(const DigitalSurface& surface, double t) {
     for (std::size_t i = 0; i < surface.surfelCount(); ++i) {
         const SurfelId s{static_cast<std::uint32_t>(i)};
         Vec3d sum = Vec3d::Zero();
-        walker.walk(s, t - kOpen, [&](SurfelId g, double d) {
+        walker.walk(s, t - kOpen, [&](SurfelId g, const Vec3d&, double d) {
             sum += (1 - 1 / t + d / (t * t)) * surface.trivialNormal(g).cast<double>();
         });
         normals[s] = sum.normalized();

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "core/surface/digital_surface.h"
+
+namespace rivage::core {
+
+/// What the surfels of a disc (a patch with hat weights 1 - distance / radius, times the area of a
+/// surfel) say about the surface there.
+struct Disc {
+    Vec3d normal = Vec3d::Zero();  ///< mean of the trivial normals, unit
+    /// |mean trivial normal|_1: 1 on a digital plane, below 0.55 at folds and thin parts.
+    double coherence = 0;
+    /// Variance of the centres along the normal over that of a digital plane: 0 to 0.5 on planes,
+    /// 2 to 5 across a right angle at radius 4.
+    double flatness = 0;
+
+    static constexpr double kLeastCoherence = 0.55;
+    [[nodiscard]] bool coherent() const { return coherence >= kLeastCoherence; }
+};
+
+/// Sums from which the disc of any radius follows: the weight 1 - d / t needs a sum and a sum
+/// times d.
+/// @source METHOD.md 3.1 (digital-plane identities)
+class DiscSums {
+public:
+    void add(const DigitalSurface& surface, SurfelId s, const Vec3d& offset, double distance);
+    /// @param radius    at least the largest distance that was added, and above 0
+    /// @param fallback  the normal where the trivial normals cancel
+    [[nodiscard]] Disc disc(const DigitalSurface& surface, double radius,
+                            const Vec3d& fallback) const;
+
+private:
+    // weight, trivial normals (3), offsets (3), 0, squares of offsets (3), 0, xy xz yz, 0: float and
+    // in fours, because adding rows is what estimators spend their time on.
+    using Row = Eigen::Array<float, 16, 1>;
+    Row plain_ = Row::Zero();
+    Row timesDistance_ = Row::Zero();
+};
+
+}  // namespace rivage::core

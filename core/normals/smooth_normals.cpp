@@ -1,0 +1,73 @@
+#include "core/normals/smooth_normals.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/normals/disc.h"
+#include "core/normals/noise_level.h"
+#include "core/normals/surfel_loop.h"
+
+namespace rivage::core {
+namespace {
+
+/// The normal of the largest coherent disc below a radius, the trivial one if there is none.
+Vec3d narrowNormal(const DigitalSurface& surface, PatchWalker& walker, SurfelId s, double below) {
+    constexpr std::array kRadii{1.5, 2.0, 3.0, 4.0};
+    Vec3d normal = surface.trivialNormal(s).cast<double>();
+    DiscSums sums;
+    walker.walkScales(
+        s, kRadii,
+        [&](SurfelId g, const Vec3d& offset, double distance) {
+            sums.add(surface, g, offset, distance);
+        },
+        [&](std::size_t scale) {
+            if (kRadii[scale] >= below) return false;
+            const Disc disc = sums.disc(surface, kRadii[scale], normal);
+            if (disc.coherent()) normal = disc.normal;
+            return true;
+        });
+    return normal;
+}
+
+}  // namespace
+
+Result<SmoothNormals> smoothNormals(const DigitalSurface& surface, const SurfelLinks& links,
+                                    double radius, const RunContext& run) {
+    constexpr double kFlatnessRadius = 4;
+    constexpr float kFold = 9;
+    const std::array radii{std::min(kFlatnessRadius, radius), std::max(kFlatnessRadius, radius)};
+    SmoothNormals result;
+    result.normals.resize(surface.surfelCount());
+    result.flatness.resize(surface.surfelCount());
+    result.density.resize(surface.surfelCount());
+    const auto standouts = findStandouts(surface, links, run);
+    const auto measure = [&](SurfelId s, PatchWalker& walker) {
+        const Vec3d trivial = surface.trivialNormal(s).cast<double>();
+        DiscSums sums;
+        int standing = 0;
+        int all = 0;
+        Disc window;
+        walker.walkScales(
+            s, radii,
+            [&](SurfelId g, const Vec3d& offset, double distance) {
+                sums.add(surface, g, offset, distance);
+                standing += standouts[g];
+                ++all;
+            },
+            [&](std::size_t scale) {
+                const Disc disc = sums.disc(surface, radii[scale], trivial);
+                if (radii[scale] == kFlatnessRadius)
+                    result.flatness[s] =
+                        disc.coherent() ? static_cast<float>(disc.flatness) : kFold;
+                if (radii[scale] == radius) window = disc;
+                return true;
+            });
+        result.normals[s] =
+            window.coherent() ? window.normal : narrowNormal(surface, walker, s, radius);
+        result.density[s] = static_cast<float>(standing) / static_cast<float>(all);
+    };
+    if (!forEachSurfel(surface, links, run, measure)) return fail(run.stopError());
+    return result;
+}
+
+}  // namespace rivage::core

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "core/normals/normal_field.h"
+
+namespace rivage::core {
+
+/// Convolved normals, with what the same windows tell about the surface.
+struct SmoothNormals {
+    NormalField normals;
+    IdVector<SurfelId, float> flatness;  ///< of the disc of radius 4; large where it is a fold
+    IdVector<SurfelId, float> density;   ///< of standouts, see noise_level.h
+};
+
+/// Averages the trivial normals in discs of a radius; folds and thin parts take the largest smaller
+/// disc that is coherent.
+/// @errors  cancelled
+/// @cost    one patch a surfel
+/// @source  METHOD.md 3.1
+Result<SmoothNormals> smoothNormals(const DigitalSurface& surface, const SurfelLinks& links,
+                                    double radius, const RunContext& run);
+
+}  // namespace rivage::core
