@@ -27,7 +27,9 @@ std::string valueName(const proto::OptionInfo& info) {
     switch (info.type) {
         case proto::OptionType::choice: return text;
         case proto::OptionType::flag: return "true|false";
-        case proto::OptionType::dims: return "XxYxZ";
+        case proto::OptionType::dims:
+        case proto::OptionType::spacing: return "XxYxZ";
+        case proto::OptionType::weights: return "JSON";
         case proto::OptionType::labels: return text + "|JSON";
         case proto::OptionType::integer:
         case proto::OptionType::number: return text.empty() ? "NUMBER" : "NUMBER|" + text;

@@ -7,16 +7,19 @@
 #include <optional>
 
 #include "core/energy/energy.h"
+#include "core/energy/weights.h"
 #include "core/formats/read_scene.h"
 #include "core/gltf/write_glb.h"
 #include "core/gltf/write_obj.h"
 #include "core/grid/scene.h"
 #include "core/mesh/build_mesh.h"
 #include "core/mesh/closed.h"
+#include "core/mesh/crossing.h"
 #include "core/mesh/inverted.h"
 #include "core/normals/normal_field.h"
 #include "core/solve/minimize.h"
 #include "core/surface/digital_surface.h"
+#include "core/surface/split_umbrellas.h"
 
 namespace rivage::core {
 namespace {
@@ -120,9 +123,10 @@ void measureDisplacement(const DigitalSurface& surface, const PointelVectors& po
     double squares = 0;
     for (std::size_t i = 0; i < positions.size(); ++i) {
         const PointelId p{static_cast<std::uint32_t>(i)};
-        const Vec3d d = positions[p] - surface.pointels[p].cast<double>();
+        const Vec3d d = positions[p] - surface.position(p);
         squares += d.squaredNorm();
-        report.displacementMax = std::max(report.displacementMax, d.cwiseAbs().maxCoeff());
+        const double along = d.cwiseQuotient(surface.spacing).cwiseAbs().maxCoeff();
+        report.displacementMax = std::max(report.displacementMax, along);
     }
     report.displacementRms = std::sqrt(squares / static_cast<double>(positions.size()));
 }
@@ -139,14 +143,15 @@ void reportChoices(const NormalOptions& options, const std::vector<InterfaceNorm
 Result<PointelVectors> regularize(const VoxelGrid& grid, const DigitalSurface& surface,
                                   const SurfelLinks& links, const MethodOptions& options,
                                   const RunContext& run, ConversionReport& report) {
+    auto weights = weightsByRegion(surface, grid.labels, options.energy);
+    if (!weights) return fail(weights.error());
     run.report(Stage::normals, 0);
     auto estimate = estimateNormalsAndChoices(grid, surface, links, options.normals, run);
     if (!estimate) return fail(estimate.error());
     reportChoices(options.normals, estimate->interfaces, report.surface);
 
     run.report(Stage::solve, 0);
-    const Energy energy(surface, std::move(estimate->normals),
-                        EnergyWeights::uniform(surface, options.energy), options.energy,
+    const Energy energy(surface, std::move(estimate->normals), *std::move(weights), options.energy,
                         run.threads);
     auto solution = minimize(energy, options.solve, run);
     if (!solution) return fail(solution.error());
@@ -159,10 +164,16 @@ Result<PointelVectors> regularize(const VoxelGrid& grid, const DigitalSurface& s
         report.warnings.push_back("the solver stopped at max_iterations, above its tolerance");
 
     PointelVectors& positions = solution->positions;
-    solve.invertedBefore = options.solve.untangle ? untangle(surface, positions, run)
-                                                  : invertedFaces(surface, positions).size();
+    const auto found = [&]() -> Tangles {
+        return {invertedFaces(surface, positions).size(), crossingFaces(surface, positions).size()};
+    };
+    const Tangles before = options.solve.untangle ? untangle(surface, positions, run) : found();
     if (run.stopped()) return fail(run.stopError());
-    solve.invertedAfter = invertedFaces(surface, positions).size();
+    const Tangles after = found();
+    solve.invertedBefore = before.inverted;
+    solve.invertedAfter = after.inverted;
+    solve.crossingBefore = before.crossing;
+    solve.crossingAfter = after.crossing;
     solve.after = energy.value(positions);
     measureDisplacement(surface, positions, solve);
     return std::move(positions);
@@ -200,11 +211,20 @@ Result<Artifact> convert(std::span<const std::byte> input, const ConversionOptio
 
     run.report(Stage::surface, 0);
     if (const auto size = checkSize(grid, run); !size) return fail(size.error());
-    const auto surface = extractSurface(grid, run);
+    auto surface = extractSurface(grid, run);
     if (!surface) return fail(surface.error());
     const auto links = linkSurfels(*surface, run);
     if (!links) return fail(links.error());
+    if (surface->surfelCount() == 0)
+        return fail(ErrorCode::emptyGrid,
+                    "no region ends inside the grid, so with an open border there is no surface",
+                    "/options/border");
     report.surface = describe(*surface, grid);
+    if (options.method.energy.split) {
+        const auto split = splitUmbrellas(*surface, *links, run);
+        if (!split) return fail(split.error());
+        report.surface.splitPointels = *split;
+    }
 
     const auto positions = regularize(grid, *surface, *links, options.method, run, report);
     if (!positions) return fail(positions.error());
@@ -218,8 +238,11 @@ Result<Artifact> convert(std::span<const std::byte> input, const ConversionOptio
     report.output = {.mediaType = artifact.mediaType,
                      .vertices = vertexCount(*mesh),
                      .triangles = triangleCount(*mesh),
-                     .parts = mesh->parts.size(),
-                     .closed = closedLabels(grid, *surface)};
+                     .parts = mesh->parts.size()};
+    for (const Closure closure : labelClosures(grid, *surface)) {
+        report.output.closed.push_back(closure == Closure::closed);
+        report.output.openAtBorder.push_back(closure == Closure::openAtBorder);
+    }
 
     auto bytes = writeMesh(*mesh, options.output, report, run);
     if (!bytes) return fail(bytes.error());

@@ -155,6 +155,46 @@ Option labelsOption() {
             }};
 }
 
+Option spacingOption() {
+    return {{"spacing",
+             "input",
+             OptionType::spacing,
+             {},
+             1e-6,
+             1e6,
+             "Sides of a voxel along x, y and z, relative to each other; the longest is at most "
+             "100 times the shortest."},
+            [](JobOptions& options, const OptionValue& value) {
+                options.conversion.input.spacing = std::get<core::Vec3d>(value);
+            },
+            [](const JobOptions& options) -> Json {
+                const core::Vec3d& spacing = options.conversion.input.spacing;
+                return Json::array({spacing.x(), spacing.y(), spacing.z()});
+            }};
+}
+
+Option weightsOption() {
+    return {{"weights",
+             "method",
+             OptionType::weights,
+             {},
+             1e-3,
+             1e3,
+             "Factors of alpha, beta and gamma by region; \"*\" is every other region. Faces "
+             "between two regions take the mean of both."},
+            [](JobOptions& options, const OptionValue& value) {
+                options.conversion.method.energy.regions =
+                    std::get<std::vector<core::RegionWeights>>(value);
+            },
+            [](const JobOptions& options) -> Json {
+                Json map;  // null without regions
+                for (const auto& region : options.conversion.method.energy.regions)
+                    map[region.region] = {
+                        {"alpha", region.alpha}, {"beta", region.beta}, {"gamma", region.gamma}};
+                return map;
+            }};
+}
+
 /// Setting the preset sets every method option, so it has to come first.
 Option presetOption() {
     const std::vector<std::string> words{"studio", "paper", "organic", "architectural", "noisy"};
@@ -208,6 +248,11 @@ void addInput(std::vector<Option>& table) {
     table.push_back(number("frame", "input", {0, 65535},
                            "Which model of a shape with several frames.",
                            input(&core::InputOptions::frame)));
+    table.push_back(choice("border", "input", {"closed", "open"},
+                           "Whether regions end at the border of the grid, or go on behind it: "
+                           "then no face lies there.",
+                           input(&core::InputOptions::border)));
+    table.push_back(spacingOption());
 }
 
 void addEnergy(std::vector<Option>& table) {
@@ -231,6 +276,11 @@ void addEnergy(std::vector<Option>& table) {
                            "How vertices where three or more regions meet are spaced: as all "
                            "others, or along the curve.",
                            energy(&core::EnergyOptions::junctionFairness)));
+    table.push_back(flag("split", "method",
+                         "Whether sheets that only touch, as walls one voxel thick in diagonal "
+                         "directions do, get vertices of their own there.",
+                         energy(&core::EnergyOptions::split)));
+    table.push_back(weightsOption());
 }
 
 bool isPiecewiseSmooth(const ConversionOptions& options) {
@@ -293,7 +343,7 @@ void addSolve(std::vector<Option>& table) {
     table.push_back(number("max_iterations", "method", {1, 1000000},
                            "Iterations after which the solver gives up.",
                            solve(&core::SolveOptions::maxIterations)));
-    table.push_back(flag("untangle", "method", "Whether inverted faces are repaired.",
+    table.push_back(flag("untangle", "method", "Whether inverted and crossing faces are repaired.",
                          solve(&core::SolveOptions::untangle)));
 }
 
@@ -314,7 +364,8 @@ void addOutput(std::vector<Option>& table) {
     table.push_back(choice("shading", "output", {"smooth", "crease", "flat"},
                            "Vertex normals: smooth, smooth but for sharp edges, or one per face.",
                            output(&OutputOptions::shading)));
-    table.push_back(number("voxel_size", "output", {1e-6, 1e6}, "Side of a voxel in metres.",
+    table.push_back(number("voxel_size", "output", {1e-6, 1e6},
+                           "Side of a voxel in metres, the shortest with spacing.",
                            output(&OutputOptions::voxelSize)));
     table.push_back(choice("pivot", "output", {"bottom", "center", "corner", "world"},
                            "Where the origin lies: under the middle, in the middle, in the low "

@@ -13,7 +13,8 @@ namespace rivage::proto {
 struct Word {
     std::size_t index = 0;
 };
-using OptionValue = std::variant<Word, bool, double, core::Vec3i, std::vector<core::LabelRule>>;
+using OptionValue = std::variant<Word, bool, double, core::Vec3i, std::vector<core::LabelRule>,
+                                 core::Vec3d, std::vector<core::RegionWeights>>;
 
 struct Option {
     OptionInfo info;

@@ -11,11 +11,14 @@ namespace {
 using core::ErrorCode;
 using core::fail;
 using core::LabelRule;
+using core::RegionWeights;
 using core::Result;
+using core::Vec3d;
 using core::Vec3i;
 
 constexpr std::size_t kMaxLabelName = 64;
 constexpr std::size_t kMaxLabelValues = 65536;
+constexpr std::size_t kMaxWeightedRegions = 4096;
 
 std::string pointer(const OptionInfo& info) { return "/options/" + info.name; }
 
@@ -95,6 +98,69 @@ std::optional<Vec3i> readJsonDims(const OptionInfo& info, const Json& value) {
     return dims;
 }
 
+bool isSpacing(const OptionInfo& info, const Vec3d& sides) {
+    return fits(info, sides[0]) && fits(info, sides[1]) && fits(info, sides[2]) &&
+           sides.maxCoeff() <= core::kMaxSpacingRatio * sides.minCoeff();
+}
+
+std::optional<Vec3d> readSpacing(const OptionInfo& info, std::string_view text) {
+    Vec3d sides;
+    for (int axis = 0; axis < 3; ++axis) {
+        const std::size_t end = axis < 2 ? text.find('x') : text.size();
+        if (end == std::string_view::npos) return std::nullopt;
+        const auto side = readNumber<double>(text.substr(0, end));
+        if (!side) return std::nullopt;
+        sides[axis] = *side;
+        text.remove_prefix(std::min(text.size(), end + 1));
+    }
+    return isSpacing(info, sides) ? std::optional(sides) : std::nullopt;
+}
+
+std::optional<Vec3d> readJsonSpacing(const OptionInfo& info, const Json& value) {
+    if (value.is_string())
+        return readSpacing(info, std::string_view(value.get_ref<const std::string&>()));
+    if (!value.is_array() || value.size() != 3) return std::nullopt;
+    Vec3d sides;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (!value[axis].is_number()) return std::nullopt;
+        sides[static_cast<int>(axis)] = value[axis].get<double>();
+    }
+    return isSpacing(info, sides) ? std::optional(sides) : std::nullopt;
+}
+
+Result<RegionWeights> readRegion(const OptionInfo& info, const std::string& name,
+                                 const Json& factors) {
+    if (name.empty() || name.size() > kMaxLabelName)
+        return refuse(info, "a name of " + std::to_string(name.size()) + " bytes");
+    if (!factors.is_object() || factors.empty())
+        return refuse(info, shown(factors) + " for " + inQuotes(name));
+    RegionWeights region{.region = name};
+    for (const auto& [weight, factor] : factors.items()) {
+        double* target = weight == "alpha"   ? &region.alpha
+                         : weight == "beta"  ? &region.beta
+                         : weight == "gamma" ? &region.gamma
+                                             : nullptr;
+        if (!target) return refuse(info, "the factor " + inQuotes(weight));
+        if (!factor.is_number() || !fits(info, factor.get<double>()))
+            return refuse(info, shown(factor) + " for " + inQuotes(name));
+        *target = factor.get<double>();
+    }
+    return region;
+}
+
+Result<OptionValue> readWeights(const OptionInfo& info, const Json& map) {
+    if (map.empty()) return refuse(info, "an empty map");
+    if (map.size() > kMaxWeightedRegions)
+        return refuse(info, "more than " + std::to_string(kMaxWeightedRegions) + " regions");
+    std::vector<RegionWeights> regions;
+    for (const auto& [name, factors] : map.items()) {
+        auto region = readRegion(info, name, factors);
+        if (!region) return fail(region.error());
+        regions.push_back(*std::move(region));
+    }
+    return regions;
+}
+
 /// The values of one label; each may belong to one label only.
 Result<void> readRule(const OptionInfo& info, const Json& given, std::set<std::uint32_t>& taken,
                       LabelRule& rule) {
@@ -136,6 +202,15 @@ Result<OptionValue> readLabelMap(const OptionInfo& info, const Json& map) {
     return rules;
 }
 
+Result<OptionValue> readMap(const OptionInfo& info, std::string_view text) {
+    auto map = readJson(text, pointer(info));
+    if (!map) {
+        map.error().code = ErrorCode::invalidOption;
+        return fail(map.error());
+    }
+    return info.type == OptionType::labels ? readLabelMap(info, *map) : readWeights(info, *map);
+}
+
 }  // namespace
 
 std::string allowedValues(const OptionInfo& info) {
@@ -149,6 +224,12 @@ std::string allowedValues(const OptionInfo& info) {
         case OptionType::dims: return "three sizes from " + range + " such as 64x68x40";
         case OptionType::labels:
             return listed(info.words) + ", or a map such as {\"sea\":[12,13],\"island\":\"*\"}";
+        case OptionType::spacing:
+            return "three sides from " + range + " such as 1x1x2.5, the longest at most " +
+                   shortest(core::kMaxSpacingRatio) + " times the shortest";
+        case OptionType::weights:
+            return "a map such as {\"sea\":{\"alpha\":10},\"*\":{\"gamma\":2}} with factors from " +
+                   range;
     }
     return {};
 }
@@ -171,16 +252,14 @@ Result<OptionValue> parseValue(const OptionInfo& info, std::string_view text) {
         case OptionType::dims:
             if (const auto dims = readDims(info, text)) return *dims;
             break;
-        case OptionType::labels: {
+        case OptionType::spacing:
+            if (const auto sides = readSpacing(info, text)) return *sides;
+            break;
+        case OptionType::labels:
+        case OptionType::weights:
             if (word) return *word;
-            if (!text.starts_with('{')) break;
-            auto map = readJson(text, pointer(info));
-            if (!map) {
-                map.error().code = ErrorCode::invalidOption;
-                return fail(map.error());
-            }
-            return readLabelMap(info, *map);
-        }
+            if (text.starts_with('{')) return readMap(info, text);
+            break;
     }
     return refuse(info, inQuotes(text));
 }
@@ -206,6 +285,12 @@ Result<OptionValue> parseValue(const OptionInfo& info, const Json& value) {
         case OptionType::labels:
             if (word) return *word;
             if (value.is_object()) return readLabelMap(info, value);
+            break;
+        case OptionType::spacing:
+            if (const auto sides = readJsonSpacing(info, value)) return *sides;
+            break;
+        case OptionType::weights:
+            if (value.is_object()) return readWeights(info, value);
             break;
     }
     return refuse(info, shown(value));

@@ -97,6 +97,8 @@ const char* typeName(OptionType type) {
         case OptionType::number: return "number";
         case OptionType::dims: return "dims";
         case OptionType::labels: return "labels";
+        case OptionType::spacing: return "spacing";
+        case OptionType::weights: return "weights";
     }
     return "";
 }
@@ -152,7 +154,8 @@ Json describeOptions() {
         Json entry{{"name", info.name}, {"group", info.group}, {"type", typeName(info.type)}};
         if (!info.words.empty()) entry["values"] = info.words;
         if (info.type != OptionType::choice && info.type != OptionType::flag) {
-            const bool whole = info.type != OptionType::number;
+            const bool whole = info.type == OptionType::integer || info.type == OptionType::dims ||
+                               info.type == OptionType::labels;
             entry["minimum"] =
                 whole ? Json(static_cast<std::int64_t>(info.minimum)) : Json(info.minimum);
             entry["maximum"] =

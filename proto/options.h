@@ -31,6 +31,8 @@ enum class OptionType : std::uint8_t {
     number,   ///< minimum..maximum, or one of `words`
     dims,     ///< three sizes, "64x68x40" or [64, 68, 40]
     labels,   ///< one of `words`, or a map from names to lists of values or "*"
+    spacing,  ///< three numbers, "1x1x2.5" or [1, 1, 2.5]
+    weights,  ///< a map from names or "*" to factors of alpha, beta, gamma
 };
 
 /// What users need to know about one option.

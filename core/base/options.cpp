@@ -12,7 +12,8 @@ MethodOptions presetOptions(Preset preset) {
                               .beta = 1,
                               .gamma = 0.05,
                               .fairness = Fairness::umbrella,
-                              .junctionFairness = JunctionFairness::umbrella};
+                              .junctionFairness = JunctionFairness::umbrella,
+                              .split = false};
             options.solve.displacementLimit = std::nullopt;
             options.solve.untangle = false;
             break;

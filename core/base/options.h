@@ -17,6 +17,10 @@ namespace rivage::core {
 enum class GridFormat : std::uint8_t { automatic, vox, npy, raw };
 enum class RawType : std::uint8_t { u8, u16 };
 enum class LabelMode : std::uint8_t { automatic, solid, material, palette, map };
+enum class Border : std::uint8_t { closed, open };
+
+/// The most that the sides of a voxel may differ: longest by shortest.
+inline constexpr double kMaxSpacingRatio = 100;
 
 /// One label of an explicit label map: its name and the palette entries (.vox) or stored values
 /// (other formats) that it takes; `rest` takes whatever no other label takes.
@@ -34,6 +38,9 @@ struct InputOptions {
     std::vector<LabelRule> labelMap;  ///< with `LabelMode::map`
     bool keepHidden = false;          ///< hidden layers, groups and shapes are converted too
     int frame = 0;                    ///< which model of a shape with several frames
+    /// Outside the grid is background, or the grid is a cutout and its border no surface.
+    Border border = Border::closed;
+    Vec3d spacing = Vec3d::Ones();  ///< relative sides of a voxel, see `kMaxSpacingRatio`
 };
 
 enum class NormalMethod : std::uint8_t {
@@ -63,12 +70,22 @@ struct NormalOptions {
     PiecewiseSmoothOptions piecewiseSmooth = {};
 };
 
+/// Factors of the weights in one region; "*" stands for every region that is not named.
+struct RegionWeights {
+    std::string region;
+    double alpha = 1;
+    double beta = 1;
+    double gamma = 1;
+};
+
 struct EnergyOptions {
     double alpha = 0.01;
     double beta = 1;
     double gamma = 0.05;
     Fairness fairness = Fairness::tangential;
     JunctionFairness junctionFairness = JunctionFairness::curve;
+    bool split = true;                        ///< sheets that only touch get pointels of their own
+    std::vector<RegionWeights> regions = {};  ///< each name once
 };
 
 struct SolveOptions {

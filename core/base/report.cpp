@@ -1,5 +1,7 @@
 #include "core/base/report.h"
 
+#include <algorithm>
+
 namespace rivage::core {
 namespace {
 
@@ -30,6 +32,7 @@ Json toJson(const SurfaceReport& surface) {
             {"linels", surface.linels},
             {"junction_linels", surface.junctionLinels},
             {"junction_pointels", surface.junctionPointels},
+            {"split_pointels", surface.splitPointels},
             {"interfaces", std::move(interfaces)}};
 }
 
@@ -49,14 +52,48 @@ Json toJson(const OutputReport& output) {
     return json;
 }
 
-Json closedByLabel(const ConversionReport& report) {
-    Json closed = Json::object();
-    for (std::size_t i = 0; i < report.output.closed.size(); ++i)
-        closed[report.input.labels[i].name] = static_cast<bool>(report.output.closed[i]);
-    return closed;
+Json byLabel(const ConversionReport& report, const std::vector<bool>& values) {
+    Json object = Json::object();
+    for (std::size_t i = 0; i < values.size(); ++i)
+        object[report.input.labels[i].name] = static_cast<bool>(values[i]);
+    return object;
+}
+
+const char* evidenceName(Evidence evidence) {
+    switch (evidence) {
+        case Evidence::none: return "none";
+        case Evidence::checked: return "checked";
+        case Evidence::proved: return "proved";
+    }
+    return "none";
+}
+
+Json toJson(const Guarantees& guarantees) {
+    return {{"separation", evidenceName(guarantees.separation)},
+            {"no_intersection", evidenceName(guarantees.noIntersection)},
+            {"no_inversion", evidenceName(guarantees.noInversion)},
+            {"closed", evidenceName(guarantees.closed)}};
 }
 
 }  // namespace
+
+Guarantees guaranteesOf(const ConversionReport& report) {
+    const SolveReport& solve = report.solve;
+    const std::vector<bool>& closed = report.output.closed;
+    const bool separated = solve.displacementMax < 0.5;
+    Guarantees guarantees;
+    if (separated) guarantees.separation = Evidence::proved;
+    if (separated && solve.crossingAfter == 0)
+        guarantees.noIntersection =
+            report.surface.splitPointels == 0 ? Evidence::proved : Evidence::checked;
+    if (solve.displacementMax < 0.25)
+        guarantees.noInversion = Evidence::proved;
+    else if (solve.invertedAfter == 0)
+        guarantees.noInversion = Evidence::checked;
+    if (std::find(closed.begin(), closed.end(), false) == closed.end())
+        guarantees.closed = Evidence::checked;
+    return guarantees;
+}
 
 Json toJson(const ConversionReport& report) {
     const SolveReport& solve = report.solve;
@@ -71,7 +108,10 @@ Json toJson(const ConversionReport& report) {
           {"relative_residual", solve.residual}}},
         {"displacement", {{"rms", solve.displacementRms}, {"max", solve.displacementMax}}},
         {"inverted_faces", {{"before", solve.invertedBefore}, {"after", solve.invertedAfter}}},
-        {"closed", closedByLabel(report)},
+        {"crossing_faces", {{"before", solve.crossingBefore}, {"after", solve.crossingAfter}}},
+        {"closed", byLabel(report, report.output.closed)},
+        {"open_at_border", byLabel(report, report.output.openAtBorder)},
+        {"guarantees", toJson(guaranteesOf(report))},
         {"output", toJson(report.output)}};
     if (report.milliseconds) {
         double total = 0;

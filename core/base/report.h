@@ -37,6 +37,7 @@ struct SurfaceReport {
         double sharp = 0;   ///< share of the estimate for creases, 0 .. 1
         double radius = 0;  ///< of the windows on smooth parts, voxels
     };
+    std::uint64_t splitPointels = 0;  ///< that became several vertices
     struct InterfaceInfo {
         std::string inner;
         std::string outer;
@@ -60,10 +61,12 @@ struct SolveReport {
     double residual = 0;  ///< relative, of the linear system or of the KKT conditions
     EnergyReport before;
     EnergyReport after;
-    double displacementRms = 0;        ///< voxels, Euclidean
-    double displacementMax = 0;        ///< voxels, sup norm
+    double displacementRms = 0;        ///< shortest sides of a voxel, Euclidean
+    double displacementMax = 0;        ///< largest along an axis, sides of a voxel along that axis
     std::uint64_t invertedBefore = 0;  ///< faces, before untangling
     std::uint64_t invertedAfter = 0;
+    std::uint64_t crossingBefore = 0;  ///< pairs of faces at split pointels, before untangling
+    std::uint64_t crossingAfter = 0;
 };
 
 struct OutputReport {
@@ -74,6 +77,8 @@ struct OutputReport {
     std::optional<std::uint64_t> bytes;  ///< unknown inside the artifact itself
     /// One entry a label, label 1 first: every edge of its boundary has an even number of faces.
     std::vector<bool> closed;
+    /// As above: it is not closed, and all edges with an odd number lie on the border of the grid.
+    std::vector<bool> openAtBorder;
 };
 
 struct ConversionReport {
@@ -87,6 +92,30 @@ struct ConversionReport {
     std::optional<std::array<double, kStageCount>> milliseconds;
     std::vector<std::string> warnings;
 };
+
+/// How sure a claim about a result is.
+enum class Evidence : std::uint8_t {
+    none,     ///< it may not hold
+    checked,  ///< every place where it could fail was looked at in this result
+    proved,   ///< it follows from the largest displacement along an axis of any vertex
+};
+
+/// What holds for the positions of a result, before they are rounded for a file.
+/// @source METHOD.md 7.1
+struct Guarantees {
+    /// No face passes a voxel centre: each keeps its label. Below 0.5 voxels.
+    Evidence separation = Evidence::none;
+    /// Faces without a common vertex do not meet. Below 0.5 voxels only faces at the copies of a
+    /// split pointel could, and those are looked at.
+    Evidence noIntersection = Evidence::none;
+    /// Below 0.25 voxels the triangles of each face, however it is cut, keep their orientation seen
+    /// along the axis of its lattice face; checked: no two corner normals of a face are more than
+    /// a right angle apart, and no face has collapsed.
+    Evidence noInversion = Evidence::none;
+    /// Every edge has an even number of faces of each label.
+    Evidence closed = Evidence::none;
+};
+[[nodiscard]] Guarantees guaranteesOf(const ConversionReport& report);
 
 /// The report as users see it (API.md section 3).
 [[nodiscard]] nlohmann::ordered_json toJson(const ConversionReport& report);

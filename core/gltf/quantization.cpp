@@ -16,8 +16,8 @@ constexpr int kMaxBits = 20;
 Quantization quantizationOf(const Mesh& mesh, const Placement& placement,
                             const OutputOptions& options) {
     // The box starts as that of the voxels, so the grid does not depend on small displacements.
-    Vec3d low = mesh.boxMin.cast<double>();
-    Vec3d high = mesh.boxMax.cast<double>();
+    Vec3d low = mesh.boxMin;
+    Vec3d high = mesh.boxMax;
     for (const MeshPart& part : mesh.parts)
         for (const MeshPrimitive& primitive : part.primitives)
             for (const Vec3d& position : primitive.positions) {

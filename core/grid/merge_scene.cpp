@@ -139,7 +139,9 @@ Error emptyError(const Scene& scene) {
 }
 
 /// The bounding box of all placed voxels, with the limits that it must keep.
-Result<Box> sceneBox(const Scene& scene, const std::vector<Placed>& placed, const RunContext& run) {
+/// A volume with an open border is a cutout: the box is the whole of it, empty or not.
+Result<Box> sceneBox(const Scene& scene, const std::vector<Placed>& placed, bool whole,
+                     const RunContext& run) {
     std::vector<ModelFacts> facts(scene.models.size());
     std::optional<Box> box;
     std::uint64_t cells = 0;
@@ -148,7 +150,8 @@ Result<Box> sceneBox(const Scene& scene, const std::vector<Placed>& placed, cons
         ModelFacts& fact = facts[static_cast<std::size_t>(part.modelId)];
         if (!fact.known) fact = factsOf(*part.model);
         if (!fact.box) continue;
-        const Box own = part.placement.apply(*fact.box);
+        const Box all{Vec3i::Zero(), part.model->size() - Vec3i::Ones()};
+        const Box own = part.placement.apply(whole ? all : *fact.box);
         box = box ? unite(*box, own) : own;
         cells += fact.cells;
     }
@@ -265,7 +268,8 @@ KeptMaterials keepLabelled(const IdVector<MaterialId, Material>& materials,
     return kept;
 }
 
-/// The part of a grid inside its bounding box of voxels that keep a material.
+/// The part of a grid inside its bounding box of voxels that keep a material; all of it where the
+/// border is open, for there it is where the voxels ended and not where the regions do.
 void cropToKept(VoxelGrid& grid) {
     const ModelFacts facts = factsOf(grid.voxels);
     if (!facts.box) {
@@ -273,7 +277,7 @@ void cropToKept(VoxelGrid& grid) {
         return;
     }
     const Vec3i size = facts.box->high - facts.box->low + Vec3i::Ones();
-    if (size == grid.voxels.size()) return;
+    if (size == grid.voxels.size() || grid.openBorder) return;
     BrickGrid cropped(size);
     grid.voxels.forEach([&](const Vec3i& voxel, MaterialId material) {
         cropped.set(voxel - facts.box->low, material);
@@ -287,7 +291,9 @@ void cropToKept(VoxelGrid& grid) {
 Result<VoxelGrid> mergeScene(const Scene& scene, const InputOptions& options,
                              const RunContext& run) {
     const std::vector<Placed> placed = visibleInstances(scene, options);
-    const Result<Box> box = sceneBox(scene, placed, run);
+    const bool open = options.border == Border::open;
+    const bool whole = open && scene.format != GridFormat::vox;
+    const Result<Box> box = sceneBox(scene, placed, whole, run);
     if (!box) return fail(box.error());
     if (const auto fits = checkMemory(scene, placed, *box, run); !fits) return fail(fits.error());
     Result<BrickGrid> merged = mergeVoxels(placed, *box, run);
@@ -311,6 +317,8 @@ Result<VoxelGrid> mergeScene(const Scene& scene, const InputOptions& options,
     grid.origin = box->low;
     grid.materials = std::move(kept.table);
     grid.labels = *std::move(labels);
+    grid.openBorder = open;
+    grid.spacing = options.spacing / options.spacing.minCoeff();
     if (kept.drops) cropToKept(grid);
     if (grid.voxels.size() == Vec3i::Zero())
         return fail(ErrorCode::emptyGrid, "the label map takes no voxel of the grid",

@@ -16,6 +16,9 @@ struct VoxelGrid {
     Vec3i origin = Vec3i::Zero();  ///< scene coordinates of voxel (0, 0, 0), voxels
     IdVector<MaterialId, Material> materials{1};
     IdVector<Label, std::string> labels{1};  ///< names; entry 0 is the background
+    /// The grid is cut out of something larger: regions go on behind its border.
+    bool openBorder = false;
+    Vec3d spacing = Vec3d::Ones();  ///< sides of a voxel; the shortest is 1
 
     [[nodiscard]] Label labelAt(const Vec3i& voxel) const {
         return materials[voxels.at(voxel)].label;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/mesh/diagonal.h"
 #include "core/mesh/patch.h"
 #include "core/mesh/shading.h"
 #include "core/mesh/styles.h"
@@ -47,17 +48,6 @@ PartData preparePart(const DigitalSurface& surface, const IdVector<PointelId, Ve
         data.shading = groupFans(data.patch, smoothEdges(data.patch, surface, areas, threads));
     data.normals = groupNormals(data.patch, surface, positions, areas, data.shading, threads);
     return data;
-}
-
-// Starts at the corner whose diagonal is the shorter one; on a tie, at the one whose diagonal has
-// the first pointel of the face. The first triangle is (0, 1, 2), the second (0, 2, 3).
-std::uint32_t firstCorner(const std::array<PointelId, 4>& corners,
-                          const IdVector<PointelId, Vec3d>& positions) {
-    const double even = (positions[corners[2]] - positions[corners[0]]).squaredNorm();
-    const double odd = (positions[corners[3]] - positions[corners[1]]).squaredNorm();
-    if (even != odd) return even < odd ? 0 : 1;
-    const auto first = std::min_element(corners.begin(), corners.end());
-    return static_cast<std::uint32_t>(first - corners.begin()) & 1U;
 }
 
 // Fills the primitives of one part. A vertex is one combination of shading group, primitive and
@@ -135,16 +125,10 @@ private:
     std::vector<Link> links_;
 };
 
-void setBox(const VoxelGrid& grid, const DigitalSurface& surface, Mesh& mesh) {
-    Vec3i low = Vec3i::Constant(std::numeric_limits<int>::max());
-    Vec3i high = Vec3i::Constant(std::numeric_limits<int>::min());
-    for (const Vec3i& pointel : surface.pointels) {
-        low = low.cwiseMin(pointel);
-        high = high.cwiseMax(pointel);
-    }
-    if (surface.pointels.empty()) low = high = Vec3i::Zero();
-    mesh.boxMin = low + grid.origin;
-    mesh.boxMax = high + grid.origin;
+void setBox(const VoxelGrid& grid, Mesh& mesh) {
+    const Vec3i end = grid.origin + grid.voxels.size();
+    mesh.boxMin = grid.origin.cast<double>().cwiseProduct(grid.spacing);
+    mesh.boxMax = end.cast<double>().cwiseProduct(grid.spacing);
 }
 
 }  // namespace
@@ -154,7 +138,7 @@ Result<Mesh> buildMesh(const VoxelGrid& grid, const DigitalSurface& surface,
                        const OutputOptions& output, const RunContext& run) {
     constexpr std::uint32_t kMaxFaces = 1U << 30;  // four corners a face have 32-bit numbers
     Mesh mesh;
-    setBox(grid, surface, mesh);
+    setBox(grid, mesh);
     Styles styles(grid, output.colors);
     const auto ranks = ranksInInterface(surface);
     for (std::uint32_t i = 0; i < surface.interfaces.size(); ++i) {
@@ -175,7 +159,7 @@ Result<Mesh> buildMesh(const VoxelGrid& grid, const DigitalSurface& surface,
         for (const SurfelId s : data.patch.surfels) data.styles.push_back(styles.of(surface, s));
 
         MeshPart part = emptyPart(grid, sheet.labels);
-        PartFiller filler(data, grid.origin.cast<double>(), output.colors, part);
+        PartFiller filler(data, mesh.boxMin, output.colors, part);
         for (std::uint32_t face = 0; face < data.patch.faceCount(); ++face)
             filler.addFace(face, surface, positions);
         mesh.parts.push_back(std::move(part));

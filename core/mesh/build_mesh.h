@@ -17,7 +17,7 @@ namespace rivage::core {
 /// so colour and material borders show no seam; vertices split where colour, material or (with
 /// `shading=crease`) normal differ, and where a part touches itself.
 /// @param links      of the surface
-/// @param positions  of the pointels, grid coordinates, voxels
+/// @param positions  of the pointels, grid coordinates, units of the shortest side of a voxel
 /// @param output     reads `parts`, `colors` and `shading`
 /// @return  parts by label pair, faces in the order of the surfels; the same bits for any thread
 ///          count

@@ -1,64 +1,92 @@
 #include "core/mesh/closed.h"
 
-#include <array>
+#include <algorithm>
+#include <span>
+#include <utility>
 
 namespace rivage::core {
 namespace {
 
-// The surfels around one linel; those in use stand first.
-struct LinelSurfels {
-    std::array<SurfelId, 4> items{};
-    int count = 0;
+// An edge of a face, kept with the lower of its pointels.
+struct HalfEdge {
+    PointelId high;
+    SurfelId face;
 };
 
-// The surfels that contain the linel from pointel `low` along +`axis`.
-LinelSurfels surfelsAround(const DigitalSurface& surface, PointelId low, int axis) {
-    LinelSurfels around;
-    for (int step = 1; step <= 2; ++step) {
-        const int span = (axis + step) % 3;  // a surfel around the linel spans `axis` and this one
-        const PointelId below = surface.neighbours[low][2 * span];
-        for (const PointelId lowest : {low, below}) {
-            const SurfelId s = surface.surfelAt(lowest, 3 - axis - span);
-            if (s != kNone<SurfelId>) around.items[around.count++] = s;
-        }
-    }
-    return around;
+std::pair<PointelId, PointelId> edgeOf(const DigitalSurface& surface, SurfelId s, std::size_t k) {
+    const auto& corners = surface.corners[s];
+    return std::minmax(corners[k], corners[(k + 1) & 3U]);
 }
 
-// Marks the labels that have an odd number of surfels among these.
-void checkLinel(const DigitalSurface& surface, const LinelSurfels& around,
-                std::vector<bool>& closed) {
-    std::array<Label, 8> sides{};
-    int count = 0;
-    for (int i = 0; i < around.count; ++i) {
-        const LabelPair& labels = surface.interfaces[surface.interfaceOf[around.items[i]]].labels;
-        sides[count++] = labels.inner;
-        sides[count++] = labels.outer;
+// The edges of all faces by their lower pointels: those of pointel i are items[start[i]] to
+// items[start[i + 1]].
+struct EdgeTable {
+    std::vector<std::size_t> start;
+    std::vector<HalfEdge> items;
+
+    explicit EdgeTable(const DigitalSurface& surface)
+        : start(surface.pointelCount() + 1), items(4 * surface.surfelCount()) {
+        const auto forEachEdge = [&](auto&& visit) {
+            for (std::uint32_t s = 0; s < surface.surfelCount(); ++s)
+                for (std::size_t k = 0; k < 4; ++k)
+                    visit(SurfelId{s}, edgeOf(surface, SurfelId{s}, k));
+        };
+        forEachEdge([&](SurfelId, const auto& edge) { ++start[index(edge.first) + 1U]; });
+        for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
+        std::vector<std::size_t> next(start.begin(), start.end() - 1);
+        forEachEdge([&](SurfelId s, const auto& edge) {
+            items[next[index(edge.first)]++] = {edge.second, s};
+        });
     }
-    for (int i = 0; i < count; ++i) {
-        if (sides[i] == Label{0}) continue;
-        int times = 0;
-        for (int j = 0; j < count; ++j) times += sides[j] == sides[i] ? 1 : 0;
-        if (times % 2 != 0) closed[index(sides[i]) - 1] = false;
-    }
+};
+
+bool liesOnBorder(const DigitalSurface& surface, PointelId a, PointelId b) {
+    if (surface.fixedAxes.empty()) return false;
+    for (int axis = 0; axis < 3; ++axis)
+        if ((surface.fixedAxes[a] & surface.fixedAxes[b]) >> axis & 1 &&
+            surface.pointels[a][axis] == surface.pointels[b][axis])
+            return true;
+    return false;
+}
+
+// Marks the labels that have an odd number of the faces of one edge.
+void checkEdge(const DigitalSurface& surface, std::span<const HalfEdge> faces, Closure found,
+               std::vector<Closure>& closures) {
+    const auto sides = [&](const HalfEdge& edge) {
+        return surface.interfaces[surface.interfaceOf[edge.face]].labels;
+    };
+    const auto countFaces = [&](Label label) {
+        return std::count_if(faces.begin(), faces.end(), [&](const HalfEdge& edge) {
+            return sides(edge).inner == label || sides(edge).outer == label;
+        });
+    };
+    for (const HalfEdge& edge : faces)
+        for (const Label label : {sides(edge).inner, sides(edge).outer})
+            if (label != Label{0} && countFaces(label) % 2 != 0) {
+                Closure& closure = closures[index(label) - 1U];
+                closure = std::max(closure, found);
+            }
 }
 
 }  // namespace
 
-std::vector<bool> closedLabels(const VoxelGrid& grid, const DigitalSurface& surface) {
-    std::vector<bool> closed(grid.labels.size() - 1, true);
-    std::size_t sides = 0;
-    for (std::uint32_t i = 0; i < surface.pointelCount(); ++i)
-        for (int axis = 0; axis < 3; ++axis) {
-            const PointelId low{i};
-            if (surface.neighbours[low][2 * axis + 1] == kNone<PointelId>) continue;
-            const LinelSurfels around = surfelsAround(surface, low, axis);
-            sides += static_cast<std::size_t>(around.count);
-            checkLinel(surface, around, closed);
+std::vector<Closure> labelClosures(const VoxelGrid& grid, const DigitalSurface& surface) {
+    std::vector<Closure> closures(grid.labels.size() - 1, Closure::closed);
+    EdgeTable edges(surface);
+    for (std::uint32_t i = 0; i < surface.pointelCount(); ++i) {
+        const auto begin = edges.items.begin() + static_cast<std::ptrdiff_t>(edges.start[i]);
+        const auto end = edges.items.begin() + static_cast<std::ptrdiff_t>(edges.start[i + 1]);
+        std::sort(begin, end, [](const HalfEdge& a, const HalfEdge& b) { return a.high < b.high; });
+        for (auto from = begin; from != end;) {
+            const auto to = std::find_if(
+                from, end, [&](const HalfEdge& edge) { return edge.high != from->high; });
+            const bool border = liesOnBorder(surface, PointelId{i}, from->high);
+            checkEdge(surface, {from, to}, border ? Closure::openAtBorder : Closure::open,
+                      closures);
+            from = to;
         }
-    // A face with a side on no linel would have gone unseen.
-    if (sides != 4 * surface.surfelCount()) closed.assign(closed.size(), false);
-    return closed;
+    }
+    return closures;
 }
 
 }  // namespace rivage::core

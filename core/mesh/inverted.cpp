@@ -5,20 +5,23 @@
 #include <array>
 
 #include "core/base/parallel.h"
+#include "core/mesh/crossing.h"
 
 namespace rivage::core {
 namespace {
 
-constexpr double kMinArea = 0.02;  // voxel^2
+constexpr double kMinArea = 0.02;  // of the area on the lattice
 constexpr double kShrink = 0.7;    // of a displacement, a round
 constexpr double kSnap = 1e-3;     // voxels: a displacement below it ends, so rounds are bounded
+using Flags = IdVector<PointelId, std::uint8_t>;  // a byte each, so that threads write apart
 
-bool isInverted(const std::array<PointelId, 4>& corners,
+bool isInverted(const DigitalSurface& surface, SurfelId s,
                 const IdVector<PointelId, Vec3d>& positions) {
     std::array<Vec3d, 4> at;
-    for (std::size_t k = 0; k < 4; ++k) at[k] = positions[corners[k]];
+    for (std::size_t k = 0; k < 4; ++k) at[k] = positions[surface.corners[s][k]];
     const double area = 0.5 * (at[2] - at[0]).cross(at[3] - at[1]).norm();
-    if (!(area >= kMinArea)) return true;  // also where something is not a number
+    if (!(area >= kMinArea * surface.faceArea(surface.axis[s])))
+        return true;  // also where something is not a number
     std::array<Vec3d, 4> normals;
     for (std::size_t k = 0; k < 4; ++k)
         normals[k] = (at[(k + 1) & 3U] - at[k]).cross(at[(k + 3) & 3U] - at[k]);
@@ -28,21 +31,79 @@ bool isInverted(const std::array<PointelId, 4>& corners,
     return false;
 }
 
-// Flags, a byte each, so that threads write apart; a face none of whose corners moved keeps its
-// flag off.
-void findInverted(const DigitalSurface& surface, const IdVector<PointelId, Vec3d>& positions,
-                  const IdVector<PointelId, std::uint8_t>& moved, int threads,
-                  IdVector<SurfelId, std::uint8_t>& inverted) {
-    parallelBlocks(surface.surfelCount(), 4096, threads, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const SurfelId s{static_cast<std::uint32_t>(i)};
-            const auto& corners = surface.corners[s];
-            const bool candidate = (moved[corners[0]] | moved[corners[1]] | moved[corners[2]] |
-                                    moved[corners[3]]) != 0;
-            inverted[s] = candidate && isInverted(corners, positions) ? 1 : 0;
-        }
-    });
+bool anyMoved(const DigitalSurface& surface, SurfelId s, const Flags& moved) {
+    const auto& corners = surface.corners[s];
+    return std::any_of(corners.begin(), corners.end(), [&](PointelId p) { return moved[p] != 0; });
 }
+
+// Finds again and again what is tangled; looks only at what moved since it last looked.
+class TangleFinder {
+public:
+    TangleFinder(const DigitalSurface& surface, const RunContext& run)
+        : surface_(surface),
+          run_(run),
+          touching_(touchingFaces(surface)),
+          inverted_(surface.surfelCount()),
+          crossing_(touching_.size()) {}
+
+    void look(const IdVector<PointelId, Vec3d>& positions, const Flags& moved) {
+        forEach(surface_.surfelCount(), [&](std::size_t i) {
+            const SurfelId s{static_cast<std::uint32_t>(i)};
+            inverted_[i] = anyMoved(surface_, s, moved) && isInverted(surface_, s, positions);
+        });
+        forEach(touching_.size(), [&](std::size_t i) {
+            const auto& [s, t] = touching_[i];
+            crossing_[i] = (anyMoved(surface_, s, moved) || anyMoved(surface_, t, moved)) &&
+                           facesCross(surface_, positions, touching_[i]);
+        });
+    }
+    [[nodiscard]] Tangles count() const { return {sum(inverted_), sum(crossing_)}; }
+    /// Sets the flags of the pointels that are to be drawn back, and clears the others.
+    void choose(const IdVector<PointelId, Vec3d>& positions, Flags& chosen) const {
+        std::fill(chosen.begin(), chosen.end(), std::uint8_t{0});
+        for (std::uint32_t i = 0; i < inverted_.size(); ++i)
+            if (inverted_[i] != 0) chooseAll(SurfelId{i}, chosen);
+        for (std::size_t i = 0; i < touching_.size(); ++i)
+            if (crossing_[i] != 0) choosePair(touching_[i], positions, chosen);
+    }
+
+private:
+    template <typename Body>
+    void forEach(std::size_t count, const Body& body) const {
+        parallelBlocks(count, 4096, run_.threads, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) body(i);
+        });
+    }
+    static std::size_t sum(const std::vector<std::uint8_t>& flags) {
+        return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1));
+    }
+    void chooseAll(SurfelId s, Flags& chosen) const {
+        for (const PointelId p : surface_.corners[s]) chosen[p] = 1;
+    }
+    // The copies that the two faces have of one pointel; all corners where these are at home.
+    void choosePair(const FacePair& pair, const IdVector<PointelId, Vec3d>& positions,
+                    Flags& chosen) const {
+        bool away = false;
+        for (const PointelId p : surface_.corners[pair.first])
+            for (const PointelId q : surface_.corners[pair.second]) {
+                if (surface_.pointels[p] != surface_.pointels[q]) continue;
+                for (const PointelId copy : {p, q}) {
+                    if (positions[copy] == surface_.position(copy)) continue;
+                    away = true;
+                    chosen[copy] = 1;
+                }
+            }
+        if (away) return;
+        chooseAll(pair.first, chosen);
+        chooseAll(pair.second, chosen);
+    }
+
+    const DigitalSurface& surface_;
+    const RunContext& run_;
+    std::vector<FacePair> touching_;
+    std::vector<std::uint8_t> inverted_;
+    std::vector<std::uint8_t> crossing_;
+};
 
 Vec3d drawnBack(const Vec3d& position, const Vec3d& rest) {
     const Vec3d displacement = kShrink * (position - rest);
@@ -56,30 +117,24 @@ std::vector<SurfelId> invertedFaces(const DigitalSurface& surface,
                                     const IdVector<PointelId, Vec3d>& positions) {
     std::vector<SurfelId> found;
     for (std::uint32_t i = 0; i < surface.surfelCount(); ++i)
-        if (isInverted(surface.corners[SurfelId{i}], positions)) found.push_back(SurfelId{i});
+        if (isInverted(surface, SurfelId{i}, positions)) found.push_back(SurfelId{i});
     return found;
 }
 
-std::size_t untangle(const DigitalSurface& surface, IdVector<PointelId, Vec3d>& positions,
-                     const RunContext& run) {
-    IdVector<PointelId, std::uint8_t> moved(surface.pointelCount(), 1);
-    IdVector<SurfelId, std::uint8_t> inverted(surface.surfelCount());
-    std::size_t atFirst = 0;
+Tangles untangle(const DigitalSurface& surface, IdVector<PointelId, Vec3d>& positions,
+                 const RunContext& run) {
+    Flags moved(surface.pointelCount(), 1);
+    TangleFinder finder(surface, run);
+    Tangles atFirst;
     for (int round = 0; !run.stopped(); ++round) {
-        findInverted(surface, positions, moved, run.threads, inverted);
-        std::fill(moved.begin(), moved.end(), std::uint8_t{0});
-        std::size_t count = 0;
-        for (std::uint32_t i = 0; i < surface.surfelCount(); ++i) {
-            if (inverted[SurfelId{i}] == 0) continue;
-            ++count;
-            for (const PointelId p : surface.corners[SurfelId{i}]) moved[p] = 1;
-        }
-        if (round == 0) atFirst = count;
-        if (count == 0) break;
+        finder.look(positions, moved);
+        const Tangles found = finder.count();
+        if (round == 0) atFirst = found;
+        if (found.inverted + found.crossing == 0) break;
+        finder.choose(positions, moved);
         for (std::uint32_t i = 0; i < surface.pointelCount(); ++i) {
             const PointelId p{i};
-            if (moved[p] != 0)
-                positions[p] = drawnBack(positions[p], surface.pointels[p].cast<double>());
+            if (moved[p] != 0) positions[p] = drawnBack(positions[p], surface.position(p));
         }
     }
     return atFirst;

@@ -35,7 +35,7 @@ struct MeshMaterial {
 /// The faces of one part that have one material. A vertex is used by at least one quad.
 struct MeshPrimitive {
     std::uint32_t material = 0;    ///< index into `Mesh::materials`
-    std::vector<Vec3d> positions;  ///< voxels, scene coordinates, z up
+    std::vector<Vec3d> positions;  ///< scene, z up, in units of the shortest side of a voxel
     std::vector<Vec3f> normals;    ///< unit, or empty: flat shading
     std::vector<Rgba16> colors;    ///< or empty: no colours
     /// The point of the surface that a vertex stands on. Vertices of one part with the same point
@@ -57,9 +57,9 @@ struct MeshPart {
 struct Mesh {
     std::vector<MeshMaterial> materials;  ///< each is used
     std::vector<MeshPart> parts;          ///< by label pair
-    /// The box of the voxels before anything moved, scene coordinates: what a pivot refers to.
-    Vec3i boxMin = Vec3i::Zero();
-    Vec3i boxMax = Vec3i::Zero();
+    /// The box of the voxels before anything moved, as positions are: what a pivot refers to.
+    Vec3d boxMin = Vec3d::Zero();
+    Vec3d boxMax = Vec3d::Zero();
 };
 
 [[nodiscard]] std::size_t vertexCount(const Mesh& mesh);

@@ -37,13 +37,16 @@ inline constexpr int kSlots = 6;
 /// The digital surface of a label grid: all interfaces of all labels at once.
 ///
 /// Pointel (x, y, z) is the low corner of voxel (x, y, z), so coordinates run from 0 to size.
-/// Pointels are sorted by (z, y, x). A surfel is named by its lowest corner and its axis: it lies
+/// Pointels are sorted by (z, y, x); after `splitUmbrellas` a place may have several of them, next
+/// to each other. A surfel is named by its lowest corner and its axis: it lies
 /// between the voxels `corner - e_axis` and `corner`; surfels are sorted by (z, y, x, axis).
 struct DigitalSurface {
     IdVector<PointelId, Vec3i> pointels;
-    /// The pointel one linel away, where that linel bounds a surfel.
+    /// The pointel one linel away, where that linel bounds a surfel. Symmetric: pointel q in slot s
+    /// of p has p in slot s ^ 1.
     IdVector<PointelId, std::array<PointelId, kSlots>> neighbours;
     /// Surfels whose lowest corner is this pointel: the first of them, and which axes (bits 0-2).
+    /// Empty after `splitUmbrellas`, which spreads the surfels of one place over several pointels.
     IdVector<PointelId, SurfelId> firstSurfel;
     IdVector<PointelId, std::uint8_t> surfelAxes;
     /// Slots whose linel is a junction linel (3 or more labels around it), as bits.
@@ -69,7 +72,8 @@ struct DigitalSurface {
 
     [[nodiscard]] std::size_t pointelCount() const { return pointels.size(); }
     [[nodiscard]] std::size_t surfelCount() const { return corners.size(); }
-    /// The surfel with this lowest corner and axis; kNone where there is none.
+    /// The surfel with this lowest corner and axis; kNone where there is none. Not after
+    /// `splitUmbrellas`.
     [[nodiscard]] SurfelId surfelAt(PointelId lowest, int normalAxis) const {
         if (lowest == kNone<PointelId> || (surfelAxes[lowest] >> normalAxis & 1) == 0)
             return kNone<SurfelId>;
@@ -117,9 +121,10 @@ struct SurfaceSize {
 Result<SurfaceSize> countSurface(const VoxelGrid& grid, const RunContext& run);
 
 /// Extracts all interfaces of a label grid: one surfel per pair of face-adjacent voxels whose
-/// labels differ. Voxels outside the grid are background, so the surface of every label is closed.
+/// labels differ. Voxels outside the grid are background, so the surface of every label is closed;
+/// with an open border there are none, and no surfel lies on the border.
 ///
-/// @param grid  labels of the materials must be assigned
+/// @param grid  labels of the materials must be assigned; also gives `spacing`
 /// @return      the same bits for any thread count
 /// @errors      tooLarge if there are 2^32 - 1 surfels or pointels; cancelled
 /// @cost        O(stored voxels + surfels) time, about 110 bytes per surfel

@@ -61,8 +61,9 @@ bool countRows(const VoxelGrid& grid, RowTable& rows, const RunContext& run) {
     return done;
 }
 
-DigitalSurface allocate(const RowTable& rows) {
+DigitalSurface allocate(const VoxelGrid& grid, const RowTable& rows) {
     DigitalSurface surface;
+    surface.spacing = grid.spacing;
     const std::size_t n = rows.pointels.back();
     const std::size_t m = rows.surfels.back();
     surface.pointels.resize(n, Vec3i::Zero());
@@ -72,6 +73,7 @@ DigitalSurface allocate(const RowTable& rows) {
     surface.firstSurfel.resize(n);
     surface.surfelAxes.resize(n);
     surface.junctionSlots.resize(n);
+    if (grid.openBorder) surface.fixedAxes.resize(n);
     surface.corners.resize(m);
     surface.axis.resize(m);
     surface.innerIsLow.resize(m);
@@ -124,6 +126,7 @@ bool fillRows(const VoxelGrid& grid, const RowTable& rows, DigitalSurface& surfa
             surface.pointels[id] = Vec3i(x, y, z);
             surface.junctionSlots[id] = linels.junction;
             surface.surfelAxes[id] = scan.surfelAxesAt(x);
+            if (grid.openBorder) surface.fixedAxes[id] = scan.fixedAxesAt(x);
             surface.firstSurfel[id] = SurfelId{s};
             auto& slots = surface.neighbours[id];
             for (int slot = 2; slot < kSlots; ++slot)
@@ -197,7 +200,7 @@ Result<DigitalSurface> extractSurface(const VoxelGrid& grid, const RunContext& r
                           "the digital surface has " + std::to_string(cells) + " cells", "/grid",
                           kMaxCells, cells});
 
-    DigitalSurface surface = allocate(rows);
+    DigitalSurface surface = allocate(grid, rows);
     if (!fillRows(grid, rows, surface, run)) return fail(run.stopError());
     const bool linked =
         parallelFor(static_cast<std::size_t>(rows.rowsY) * rows.rowsZ, run, [&](std::size_t row) {

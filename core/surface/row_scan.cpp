@@ -1,5 +1,6 @@
 #include "core/surface/row_scan.h"
 
+#include <algorithm>
 #include <span>
 #include <utility>
 
@@ -31,10 +32,21 @@ bool RowScan::isStored(int y, int z) const {
     return storedRows_[static_cast<std::size_t>(z / side) * grid_.voxels.bricks().y() + y / side];
 }
 
-void RowScan::load(int row, int y, int z) {
+int RowScan::inside(int y, int axis) const {
+    return grid_.openBorder ? std::clamp(y, 0, grid_.voxels.size()[axis] - 1) : y;
+}
+
+void RowScan::load(int row, int outerY, int outerZ) {
+    const int y = inside(outerY, 1);
+    const int z = inside(outerZ, 2);
     const bool stored = isStored(y, z);
     if (!stored && !any_[row]) return;  // empty before and after
-    any_[row] = grid_.voxels.copyRow(-1, y, z, materials_[row]);
+    std::vector<MaterialId>& voxels = materials_[row];
+    any_[row] = grid_.voxels.copyRow(-1, y, z, voxels);
+    if (grid_.openBorder) {
+        voxels.front() = voxels[1];
+        voxels.back() = voxels[voxels.size() - 2];
+    }
     for (std::size_t i = 0; i < materials_[row].size(); ++i)
         labels_[row][i] = grid_.materials[materials_[row][i]].label;
 }
@@ -73,6 +85,11 @@ RowScan::Linels RowScan::linelsAt(int x) const {
         linels.present |= static_cast<std::uint8_t>((counts[slot] > 1) << slot);
         linels.junction |= static_cast<std::uint8_t>((counts[slot] > 2) << slot);
     }
+    if (grid_.openBorder) {
+        const unsigned there = slotsInside(x);
+        linels.present &= static_cast<std::uint8_t>(there);
+        linels.junction &= static_cast<std::uint8_t>(there);
+    }
     return linels;
 }
 
@@ -81,7 +98,33 @@ std::uint8_t RowScan::surfelAxesAt(int x) const {
     const int alongX = label(highYhighZ, x - 1) != high;
     const int alongY = label(lowYhighZ, x) != high;
     const int alongZ = label(highYlowZ, x) != high;
-    return static_cast<std::uint8_t>(alongX | alongY << 1 | alongZ << 2);
+    const auto axes = static_cast<std::uint8_t>(alongX | alongY << 1 | alongZ << 2);
+    if (!grid_.openBorder) return axes;
+    // A surfel runs towards +u and +v of the two axes that it spans.
+    constexpr std::array<unsigned, 3> kSpans = {0b101000, 0b100010, 0b001010};
+    std::uint8_t kept = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        if ((slotsInside(x) & kSpans[axis]) == kSpans[axis])
+            kept |= static_cast<std::uint8_t>(axes & 1U << axis);
+    return kept;
+}
+
+unsigned RowScan::slotsInside(int x) const {
+    const Vec3i at(x, y_, z_);
+    unsigned slots = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        slots |= (at[axis] > 0 ? 1U : 0U) << (2 * axis);
+        slots |= (at[axis] < grid_.voxels.size()[axis] ? 1U : 0U) << (2 * axis + 1);
+    }
+    return slots;
+}
+
+std::uint8_t RowScan::fixedAxesAt(int x) const {
+    const unsigned outside = ~slotsInside(x);
+    unsigned axes = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        axes |= ((outside >> 2 * axis & 3U) != 0 ? 1U : 0U) << axis;
+    return static_cast<std::uint8_t>(axes);
 }
 
 }  // namespace rivage::core

@@ -10,6 +10,7 @@
 namespace rivage::core {
 
 /// Looks at one row of pointels (0..nx, y, z) at a time through the four rows of voxels around it.
+/// Behind an open border the voxels next to it go on, so that they differ nowhere across it.
 class RowScan {
 public:
     /// The four rows of voxels around a row of pointels.
@@ -37,6 +38,8 @@ public:
     [[nodiscard]] Linels linelsAt(int x) const;
     /// Axes of the surfels whose lowest corner is pointel x, as bits.
     [[nodiscard]] std::uint8_t surfelAxesAt(int x) const;
+    /// Axes across the sides of the grid that pointel x lies on, as bits.
+    [[nodiscard]] std::uint8_t fixedAxesAt(int x) const;
 
 private:
     [[nodiscard]] bool uniform(int x) const {
@@ -44,7 +47,11 @@ private:
         return label(lowYlowZ, x) == l && label(highYlowZ, x) == l && label(lowYhighZ, x) == l;
     }
     [[nodiscard]] bool isStored(int y, int z) const;
-    void load(int row, int y, int z);
+    /// The row of voxels to look at for row y: behind an open border the last row goes on.
+    [[nodiscard]] int inside(int y, int axis) const;
+    void load(int row, int outerY, int outerZ);
+    /// Slots of pointel x that do not leave the grid, as bits.
+    [[nodiscard]] unsigned slotsInside(int x) const;
 
     const VoxelGrid& grid_;
     const std::vector<bool>& storedRows_;

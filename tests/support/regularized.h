@@ -7,6 +7,7 @@
 #include "core/normals/normal_field.h"
 #include "core/solve/minimize.h"
 #include "core/surface/digital_surface.h"
+#include "core/surface/split_umbrellas.h"
 
 namespace rivage::test {
 
@@ -23,6 +24,7 @@ inline Regularized regularize(const VoxelGrid& grid, const MethodOptions& option
                               const RunContext& run = {}) {
     Regularized result{*extractSurface(grid, run), {}};
     const SurfelLinks links = *linkSurfels(result.surface, run);
+    if (options.energy.split) (void)*splitUmbrellas(result.surface, links, run);
     const Energy energy(
         result.surface, *estimateNormals(grid, result.surface, links, options.normals, run),
         EnergyWeights::uniform(result.surface, options.energy), options.energy, run.threads);

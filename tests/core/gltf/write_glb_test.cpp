@@ -175,7 +175,7 @@ TEST_CASE("placementOf: the pivot goes to the origin, up is y or z") {
 TEST_CASE("quantizationOf: automatic bits give steps of 1/128 voxel within 11 to 20 bits") {
     const auto gridOf = [](int side, std::optional<int> bits = {}) {
         Mesh mesh;
-        mesh.boxMax = {side, 3, 3};
+        mesh.boxMax = Vec3d(side, 3, 3);
         const OutputOptions options{.dracoPositionBits = bits, .voxelSize = 1};
         return quantizationOf(mesh, placementOf(mesh, options), options);
     };

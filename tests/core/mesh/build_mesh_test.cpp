@@ -64,8 +64,8 @@ TEST_CASE("buildMesh: one voxel is a cube around its place in the scene") {
     const Mesh mesh = build(grid).mesh;
     REQUIRE(mesh.parts.size() == 1);
     CHECK(mesh.parts[0].name == "label 1");
-    CHECK(mesh.boxMin == Vec3i(10, 20, 30));
-    CHECK(mesh.boxMax == Vec3i(11, 21, 31));
+    CHECK(mesh.boxMin == Vec3d(10, 20, 30));
+    CHECK(mesh.boxMax == Vec3d(11, 21, 31));
     CHECK(vertexCount(mesh) == 8);
     CHECK(triangleCount(mesh) == 12);
     const MeshPrimitive& cube = mesh.parts[0].primitives.at(0);

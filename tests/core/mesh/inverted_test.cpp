@@ -4,7 +4,6 @@
 
 #include <limits>
 
-#include "core/mesh/closed.h"
 #include "tests/core/mesh/mesh_fixtures.h"
 
 using namespace rivage::test;
@@ -46,7 +45,7 @@ TEST_CASE("property: untangle leaves no inverted face and moves on segments only
         const std::size_t bad = invertedFaces(surface, before).size();
         REQUIRE(bad > 0);
         Positions after = before;
-        CHECK(untangle(surface, after, {}) == bad);
+        CHECK(untangle(surface, after, {}).inverted == bad);
         CHECK(invertedFaces(surface, after).empty());
         for (std::uint32_t i = 0; i < after.size(); ++i) {
             const Vec3d rest = surface.pointels[PointelId{i}].cast<double>();
@@ -65,7 +64,7 @@ TEST_CASE("untangle: what is not near an inverted face stays where it is") {
     const Positions before = positions;
     const auto& corners = surface.corners[SurfelId{7}];
     positions[corners[0]] = before[corners[2]];
-    CHECK(untangle(surface, positions, {}) >= 1);
+    CHECK(untangle(surface, positions, {}).inverted >= 1);
     std::size_t moved = 0;
     for (std::uint32_t i = 0; i < positions.size(); ++i)
         moved += positions[PointelId{i}] != before[PointelId{i}] ? 1 : 0;
@@ -78,47 +77,24 @@ TEST_CASE("untangle: positions that are not finite go home") {
     Positions positions = latticePositions(surface);
     positions[PointelId{3}].y() = std::numeric_limits<double>::infinity();
     positions[PointelId{4}].z() = std::numeric_limits<double>::quiet_NaN();
-    CHECK(untangle(surface, positions, {}) > 0);
+    CHECK(untangle(surface, positions, {}).inverted > 0);
     CHECK(positions == latticePositions(surface));
 }
 
 TEST_CASE("determinism: untangle with threads 1, 2, 7") {
-    const DigitalSurface surface = *extractSurface(randomGrid(3, {20, 20, 20}, 3), {});
+    const DigitalSurface surface = splitSurface(randomGrid(3, {20, 20, 20}, 3));
     Positions one = movedPositions(surface, 0.49);
     Positions two = one;
     Positions seven = one;
-    const std::size_t bad = untangle(surface, one, {.threads = 1});
-    CHECK(untangle(surface, two, {.threads = 2}) == bad);
-    CHECK(untangle(surface, seven, {.threads = 7}) == bad);
+    const Tangles found = untangle(surface, one, {.threads = 1});
+    CHECK(found.crossing > 100);
+    for (const auto& [threads, positions] : {std::pair{2, &two}, std::pair{7, &seven}}) {
+        const Tangles other = untangle(surface, *positions, {.threads = threads});
+        CHECK(other.inverted == found.inverted);
+        CHECK(other.crossing == found.crossing);
+    }
     CHECK(one == two);
     CHECK(one == seven);
-}
-
-TEST_CASE("closedLabels: every label of a complete surface is closed") {
-    for (std::uint32_t seed = 1; seed <= 10; ++seed) {
-        const VoxelGrid grid = randomGrid(seed, {5, 6, 4}, 1 + static_cast<int>(seed % 4));
-        const std::vector<bool> closed = closedLabels(grid, *extractSurface(grid, {}));
-        CHECK(closed == std::vector<bool>(grid.labels.size() - 1, true));
-    }
-}
-
-TEST_CASE("closedLabels: a face with a wrong label opens that label and no other") {
-    const VoxelGrid grid = makeGrid({9, 1, 1}, 3, [](const Vec3i& v) {
-        return v.x() % 4 == 0 ? v.x() / 4 + 1 : 0;  // three separate voxels
-    });
-    DigitalSurface surface = *extractSurface(grid, {});
-    CHECK(closedLabels(grid, surface) == std::vector<bool>{true, true, true});
-    SurfelId ofSecond{0};
-    while (index(surface.interfaceOf[ofSecond]) != 1) ofSecond = SurfelId{index(ofSecond) + 1};
-    surface.interfaceOf[ofSecond] = InterfaceId{2};
-    CHECK(closedLabels(grid, surface) == std::vector<bool>{true, false, false});
-}
-
-TEST_CASE("closedLabels: a face that is not linked to its linels is noticed") {
-    const VoxelGrid grid = ballGrid(4, 2);
-    DigitalSurface surface = *extractSurface(grid, {});
-    surface.surfelAxes[PointelId{0}] = 0;
-    CHECK(closedLabels(grid, surface) == std::vector<bool>{false});
 }
 
 TEST_SUITE_END();

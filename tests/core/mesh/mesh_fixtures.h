@@ -4,6 +4,7 @@
 
 #include "core/mesh/build_mesh.h"
 #include "core/surface/digital_surface.h"
+#include "core/surface/split_umbrellas.h"
 #include "tests/support/grids.h"
 
 /// Surfaces and positions for the tests of meshes and writers.
@@ -11,11 +12,19 @@ namespace rivage::test {
 
 using Positions = IdVector<PointelId, Vec3d>;
 
+/// The surface of a grid with its umbrellas split.
+inline DigitalSurface splitSurface(const VoxelGrid& grid) {
+    DigitalSurface surface = *extractSurface(grid, {});
+    const SurfelLinks links = *linkSurfels(surface, {});
+    (void)*splitUmbrellas(surface, links, {});
+    return surface;
+}
+
 /// The pointels where they lie on the lattice.
 inline Positions latticePositions(const DigitalSurface& surface) {
     Positions positions(surface.pointelCount());
     for (std::uint32_t i = 0; i < positions.size(); ++i)
-        positions[PointelId{i}] = surface.pointels[PointelId{i}].cast<double>();
+        positions[PointelId{i}] = surface.position(PointelId{i});
     return positions;
 }
 
