@@ -210,6 +210,60 @@ TEST_CASE("parseOptions: dims as text and as JSON") {
                      ErrorCode::invalidOption, "/options/dims");
 }
 
+TEST_CASE("parseOptions: spacing as text and as JSON") {
+    const auto fromText = parse({{"spacing", "1x1x2.5"}});
+    REQUIRE(fromText);
+    CHECK(fromText->conversion.input.spacing == core::Vec3d(1, 1, 2.5));
+    CHECK(valueOf(*fromText, "spacing") == Json::array({1, 1, 2.5}));
+    const auto fromJson = parse({}, R"({"spacing":[1,1,2.5]})");
+    REQUIRE(fromJson);
+    CHECK(proto::toJson(*fromText) == proto::toJson(*fromJson));
+    CHECK(parse({}, R"({"spacing":"0.3x0.3x1e-1"})"));
+    CHECK(parse({{"spacing", "1x100x1"}}));
+    for (const char* bad : {"1x1", "1x1x1x1", "0x1x1", "1x1x-1", "1x1x100.1", "0.009x1x0.5", "x",
+                            "1x1x", "axbxc", "1x1xnan", "1x1xinf", "1e7x1e7x1e7", "1 x1x1"})
+        checkRefused(parse({{"spacing", bad}}), ErrorCode::invalidOption, "/options/spacing");
+    for (const char* bad : {"[1,1]", "[1,1,0]", "[1,1,101]", "[1,1,\"1\"]", "1", "[1,1,null]"})
+        checkRefused(parse({}, std::string("{\"spacing\":") + bad + "}"), ErrorCode::invalidOption,
+                     "/options/spacing");
+}
+
+TEST_CASE("parseOptions: weights by region, as text and as JSON") {
+    const std::string map = R"({"sea":{"alpha":10,"beta":0.5},"*":{"gamma":2}})";
+    const auto fromText = parse({{"weights", map}, {"preset", "paper"}});
+    REQUIRE(fromText);
+    const auto& regions = fromText->conversion.method.energy.regions;
+    REQUIRE(regions.size() == 2);
+    CHECK(regions[0].region == "sea");
+    CHECK(regions[0].alpha == 10);
+    CHECK(regions[0].beta == 0.5);
+    CHECK(regions[0].gamma == 1);
+    CHECK(regions[1].region == "*");
+    CHECK(regions[1].gamma == 2);
+    const auto fromJson = parse({}, R"({"preset":"paper","weights":)" + map + "}");
+    REQUIRE(fromJson);
+    CHECK(proto::toJson(*fromText) == proto::toJson(*fromJson));
+    CHECK(valueOf(*parse({}), "weights").is_null());
+}
+
+TEST_CASE("reject: weights that are no factors") {
+    for (const char* bad :
+         {"{}", R"({"a":{}})", R"({"a":1})", R"({"a":{"delta":1}})", R"({"a":{"alpha":"1"}})",
+          R"({"a":{"alpha":0}})", R"({"a":{"alpha":1001}})", R"({"a":{"alpha":1e-4}})",
+          R"({"":{"alpha":1}})", R"({"a":{"alpha":1},"a":{"beta":1}})", R"({"a":null})",
+          R"({"a":{"alpha":1})", R"({"a":{"alpha":{}}})"})
+        checkRefused(parse({{"weights", bad}}), ErrorCode::invalidOption, "/options/weights");
+    const std::string longName(65, 'a');
+    checkRefused(parse({{"weights", "{\"" + longName + "\":{\"alpha\":1}}"}}),
+                 ErrorCode::invalidOption, "/options/weights");
+}
+
+TEST_CASE("parseOptions: paper does not split umbrellas, unless asked to") {
+    CHECK(parse({})->conversion.method.energy.split);
+    CHECK_FALSE(parse({{"preset", "paper"}})->conversion.method.energy.split);
+    CHECK(parse({{"preset", "paper"}, {"split", "true"}})->conversion.method.energy.split);
+}
+
 TEST_CASE("parseOptions: a label map, as text and as JSON") {
     const std::string map = R"({"sea":[12,13],"sand":7,"island":"*"})";
     const auto fromText = parse({{"labels", map}});
@@ -256,6 +310,8 @@ TEST_CASE("property: the effective options, given back, are the same options") {
         {{"format", "raw"}, {"dims", "3x4x5"}, {"type", "u16"}},
         {{"labels", R"({"sea":[12,13],"island":"*"})"}, {"output", "obj"}},
         {{"displacement_limit", "none"}, {"draco_position_bits", "12"}, {"alpha", "1e-7"}},
+        {{"border", "open"}, {"spacing", "0.5x1x2"}, {"split", "false"}},
+        {{"weights", R"({"sea":{"alpha":10},"*":{"gamma":2}})"}},
         {{"hidden", "keep"}, {"untangle", "false"}, {"deadline_ms", "1000"}}};
     for (const auto& given : cases) {
         const auto options = parse(given);

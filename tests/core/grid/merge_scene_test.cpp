@@ -245,6 +245,37 @@ TEST_CASE("reject: limits of extent, voxels, materials and memory, and the limit
     CHECK(code({.maxMemory = 1000}) == ErrorCode::memoryBudget);
 }
 
+TEST_CASE("open border: a volume stays whole, a scene is the box of its voxels") {
+    for (const GridFormat format : {GridFormat::npy, GridFormat::vox}) {
+        Scene scene = randomScene(Vec3i(9, 7, 5), 2);
+        scene.format = format;
+        scene.models[0] = BrickGrid(Vec3i(9, 7, 5));
+        scene.models[0].set(Vec3i(2, 3, 4), MaterialId{1});
+        scene.models[0].set(Vec3i(5, 3, 2), MaterialId{2});
+        const auto closed = mergeScene(scene, {}, {});
+        const auto open = mergeScene(scene, {.border = Border::open}, {});
+        REQUIRE(closed);
+        REQUIRE(open);
+        CHECK_FALSE(closed->openBorder);
+        CHECK(closed->voxels.size() == Vec3i(4, 1, 3));
+        CHECK(open->openBorder);
+        const bool volume = format == GridFormat::npy;
+        CHECK(open->voxels.size() == (volume ? Vec3i(9, 7, 5) : Vec3i(4, 1, 3)));
+        CHECK(cellsOf(*open) == cellsOf(*closed));
+        // Voxels that a label map drops do not move the border.
+        const InputOptions map{.labels = LabelMode::map,
+                               .labelMap = {{.name = "one", .values = {1}}},
+                               .border = Border::open};
+        CHECK(mergeScene(scene, map, {})->voxels.size() == open->voxels.size());
+    }
+}
+
+TEST_CASE("spacing: is told in the shortest side") {
+    const Scene scene = randomScene(Vec3i(2, 2, 2), 1);
+    CHECK(mergeScene(scene, {.spacing = Vec3d(0.5, 1, 0.25)}, {})->spacing == Vec3d(2, 4, 1));
+    CHECK(mergeScene(scene, {}, {})->spacing == Vec3d(1, 1, 1));
+}
+
 TEST_CASE("reject: a scene that spans the whole range of translations") {
     Scene scene = randomScene(Vec3i(1, 1, 1), 1);
     scene.instances[0].translation = Vec3i::Constant(1 << 30);
