@@ -118,6 +118,40 @@ SurfaceReport describe(const DigitalSurface& surface, const VoxelGrid& grid) {
     return report;
 }
 
+/// The digital surface as the later stages want it, with its links.
+struct LinkedSurface {
+    DigitalSurface surface;
+    SurfelLinks links;
+};
+
+Result<LinkedSurface> makeSurface(const VoxelGrid& grid, const ConversionOptions& options,
+                                  const RunContext& run, ConversionReport& report) {
+    run.report(Stage::surface, 0);
+    if (const auto size = checkSize(grid, run); !size) return fail(size.error());
+    auto surface = extractSurface(grid, run);
+    if (!surface) return fail(surface.error());
+    if (surface->surfelCount() == 0)
+        return fail(ErrorCode::emptyGrid,
+                    "no region ends inside the grid, so with an open border there is no surface",
+                    "/options/border");
+    auto links = linkSurfels(*surface, run);
+    if (!links) return fail(links.error());
+    report.surface = describe(*surface, grid);
+    if (options.method.energy.split) {
+        const auto split = splitUmbrellas(*surface, *links, run);
+        if (!split) return fail(split.error());
+        report.surface.splitPointels = *split;
+    }
+    return LinkedSurface{*std::move(surface), *std::move(links)};
+}
+
+void describe(const std::vector<Closure>& closures, OutputReport& report) {
+    for (const Closure closure : closures) {
+        report.closed.push_back(closure == Closure::closed);
+        report.openAtBorder.push_back(closure == Closure::openAtBorder);
+    }
+}
+
 void measureDisplacement(const DigitalSurface& surface, const PointelVectors& positions,
                          SolveReport& report) {
     double squares = 0;
@@ -209,28 +243,15 @@ Result<Artifact> convert(std::span<const std::byte> input, const ConversionOptio
     report.options = optionsEcho;
     report.warnings = read->warnings;
 
-    run.report(Stage::surface, 0);
-    if (const auto size = checkSize(grid, run); !size) return fail(size.error());
-    auto surface = extractSurface(grid, run);
-    if (!surface) return fail(surface.error());
-    const auto links = linkSurfels(*surface, run);
-    if (!links) return fail(links.error());
-    if (surface->surfelCount() == 0)
-        return fail(ErrorCode::emptyGrid,
-                    "no region ends inside the grid, so with an open border there is no surface",
-                    "/options/border");
-    report.surface = describe(*surface, grid);
-    if (options.method.energy.split) {
-        const auto split = splitUmbrellas(*surface, *links, run);
-        if (!split) return fail(split.error());
-        report.surface.splitPointels = *split;
-    }
+    auto made = makeSurface(grid, options, run, report);
+    if (!made) return fail(made.error());
+    const auto& [surface, links] = *made;
 
-    const auto positions = regularize(grid, *surface, *links, options.method, run, report);
+    const auto positions = regularize(grid, surface, links, options.method, run, report);
     if (!positions) return fail(positions.error());
 
     run.report(Stage::mesh, 0);
-    const auto mesh = buildMesh(grid, *surface, *links, *positions, options.output, run);
+    const auto mesh = buildMesh(grid, surface, links, *positions, options.output, run);
     if (!mesh) return fail(mesh.error());
     const bool glb = options.output.format == OutputFormat::glb;
     artifact.mediaType = glb ? "model/gltf-binary" : "model/obj";
@@ -239,10 +260,7 @@ Result<Artifact> convert(std::span<const std::byte> input, const ConversionOptio
                      .vertices = vertexCount(*mesh),
                      .triangles = triangleCount(*mesh),
                      .parts = mesh->parts.size()};
-    for (const Closure closure : labelClosures(grid, *surface)) {
-        report.output.closed.push_back(closure == Closure::closed);
-        report.output.openAtBorder.push_back(closure == Closure::openAtBorder);
-    }
+    describe(labelClosures(grid, surface), report.output);
 
     auto bytes = writeMesh(*mesh, options.output, report, run);
     if (!bytes) return fail(bytes.error());
