@@ -13,9 +13,9 @@ namespace rivage::core {
 ///
 /// A fan is a connected set of the surfels around the pointel: two of them hang together if they
 /// are linked, if they share a junction linel (the interfaces that meet there keep their pointels
-/// in common), or if they share a linel where four sheets of an interface meet unpaired. So the
-/// surfels around a linel fall apart in the same way seen from either end, and the faces around
-/// every edge stay even in number for each label.
+/// in common), or if they share a linel where four sheets of an interface meet unpaired. The
+/// surfels around a linel are joined alike at both of its ends, in pairs or all, so the faces
+/// around every edge stay even in number for each label.
 ///
 /// Where the two pairs of sheets of a linel hang together at one end only, the end of a slit, two
 /// edges run from there to two copies. The neighbour table has one place for them, and must be

@@ -105,4 +105,25 @@ TEST_CASE("property: untangle leaves no faces that intersect without a common ve
     CHECK(all > 500);
 }
 
+TEST_CASE("property: the same with long voxels and an open border") {
+    std::size_t all = 0;
+    for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+        CAPTURE(seed);
+        VoxelGrid grid = randomGrid(seed, {8, 9, 7}, 1);
+        grid.spacing = Vec3d(1, 2, 5);
+        grid.openBorder = seed % 2 == 0;
+        const DigitalSurface surface = splitSurface(grid);
+        Positions positions = movedPositions(surface, 0.49, seed);
+        for (std::uint32_t i = 0; i < positions.size(); ++i) {
+            const Vec3d rest = surface.position(PointelId{i});
+            positions[PointelId{i}] =
+                rest + (positions[PointelId{i}] - rest).cwiseProduct(grid.spacing);
+        }
+        CHECK(countIntersections(surface, positions) == crossingFaces(surface, positions).size());
+        all += untangle(surface, positions, {}).crossing;
+        CHECK(countIntersections(surface, positions) == 0);
+    }
+    CHECK(all > 300);
+}
+
 TEST_SUITE_END();

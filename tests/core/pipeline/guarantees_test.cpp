@@ -3,6 +3,7 @@
 #include "core/grid/scene.h"
 #include "core/samples/samples.h"
 #include "tests/support/grids.h"
+#include "tests/support/intersections.h"
 #include "tests/support/regularized.h"
 #include "tests/support/voxel_centres.h"
 
@@ -35,7 +36,9 @@ TEST_SUITE("core/pipeline") {
                 options.solve.tolerance = 1e-4;
                 const Regularized result = regularize(grid, options);
                 CHECK(countWrongCentres(grid, result.surface, result.positions) == 0);
-                if (untangled) CHECK(invertedFaces(result.surface, result.positions).empty());
+                if (!untangled) continue;
+                CHECK(invertedFaces(result.surface, result.positions).empty());
+                CHECK(countIntersections(result.surface, result.positions) == 0);
             }
     }
 
