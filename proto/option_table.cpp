@@ -248,10 +248,11 @@ void addSolve(std::vector<Option>& table) {
                              "How far a vertex may move along each axis, in voxels; below 0.5 "
                              "every voxel centre keeps its side.",
                              solve(&core::SolveOptions::displacementLimit)));
-    table.push_back(
-        choice("solver", "method", {"auto", "pcg", "projected", "gradient-descent", "cholesky"},
-               "The minimizer; auto takes projected with a displacement limit, else pcg.",
-               solve(&core::SolveOptions::solver)));
+    table.push_back(choice(
+        "solver", "method",
+        {"auto", "pcg", "multigrid", "projected", "accelerated", "gradient-descent", "cholesky"},
+        "The minimizer; auto takes projected with a displacement limit, else multigrid.",
+        solve(&core::SolveOptions::solver)));
     table.push_back(number("tolerance", "method", {1e-14, 0.1},
                            "Relative residual at which the solver stops.",
                            solve(&core::SolveOptions::tolerance)));

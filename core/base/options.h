@@ -55,13 +55,21 @@ enum class NormalMethod : std::uint8_t {
 };
 enum class Fairness : std::uint8_t { umbrella, tangential };
 enum class JunctionFairness : std::uint8_t { umbrella, curve };
-enum class SolverKind : std::uint8_t { automatic, pcg, projected, gradientDescent, cholesky };
 enum class Preset : std::uint8_t { studio, paper, organic, architectural, noisy };
 
 /// The weights of the Ambrosio-Tortorelli functional.
 struct PiecewiseSmoothOptions {
     double alpha = 0.1;     ///< the smaller, the larger the area that is smoothed over
     double lambda = 0.025;  ///< the smaller, the longer the features that it may have
+};
+enum class SolverKind : std::uint8_t {
+    automatic,
+    pcg,
+    multigrid,
+    projected,
+    accelerated,
+    gradientDescent,
+    cholesky
 };
 
 struct NormalOptions {

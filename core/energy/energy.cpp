@@ -1,6 +1,6 @@
 #include "core/energy/energy.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 
 #include "core/base/parallel.h"
 
@@ -30,6 +30,14 @@ Energy::Energy(const DigitalSurface& surface, NormalField normals, EnergyWeights
     if (options.fairness == Fairness::tangential) computeTangentialFairness();
 }
 
+// Neighbours there inside every face of the domain that `i` lies on: others would pull it along
+// the face, as if the surface ended at a right angle.
+bool Energy::sharesFaces(PointelId i, PointelId neighbour) const {
+    if (neighbour == kNone<PointelId>) return false;
+    if (surface_.fixedAxes.empty()) return true;
+    return (surface_.fixedAxes[i] & ~surface_.fixedAxes[neighbour]) == 0;
+}
+
 void Energy::chooseFairnessNeighbours(JunctionFairness rule) {
     fairnessSlots_.resize(size());
     inverseDegree_.resize(size());
@@ -37,9 +45,9 @@ void Energy::chooseFairnessNeighbours(JunctionFairness rule) {
         const PointelId i = pointel(n);
         unsigned slots = 0;
         for (int slot = 0; slot < kSlots; ++slot)
-            if (surface_.neighbours[i][slot] != kNone<PointelId>) slots |= 1U << slot;
+            if (sharesFaces(i, surface_.neighbours[i][slot])) slots |= 1U << slot;
         if (rule == JunctionFairness::curve && surface_.junctionSlots[i] != 0)
-            slots = surface_.isJunctionPointel(i) ? 0 : surface_.junctionSlots[i];
+            slots &= surface_.isJunctionPointel(i) ? 0U : surface_.junctionSlots[i];
         fairnessSlots_[i] = static_cast<std::uint8_t>(slots);
         inverseDegree_[i] = slots == 0 ? 0 : 1.0 / __builtin_popcount(slots);
     }
@@ -60,7 +68,7 @@ void Energy::listIncidentCorners() {
 
 // With M the mean of n n^T over the surfels around a pointel, the eigenvalues of M tell along how
 // many directions the surface bends there; a direction with eigenvalue l is damped by
-// 1 / (1 + (l / tau)^2).
+// 1 / (1 + (l / tau)^2), which T = (I + (M / tau)^2)^-1 does without the eigenvectors.
 void Energy::computeTangentialFairness() {
     constexpr double kTau = 0.06;  // METHOD.md 2.7
     tangential_.resize(size());
@@ -71,13 +79,9 @@ void Energy::computeTangentialFairness() {
                 const Vec3d& normal = normals_[surfel(incident_[e] / 4)];
                 mean += normal * normal.transpose();
             }
-            mean /= start_[n + 1] - start_[n];
-            const Eigen::SelfAdjointEigenSolver<Mat3d> eigen(mean);
-            const Vec3d ratio = eigen.eigenvalues() / kTau;
-            const Vec3d damped = (1 + ratio.array().square()).inverse();
-            const Vec3d squared = damped.array().square();
-            tangential_[pointel(n)] =
-                eigen.eigenvectors() * squared.asDiagonal() * eigen.eigenvectors().transpose();
+            mean /= (start_[n + 1] - start_[n]) * kTau;
+            const Mat3d damped = (Mat3d::Identity() + mean * mean).inverse();
+            tangential_[pointel(n)] = damped * damped;
         }
     });
 }
@@ -226,15 +230,15 @@ IdVector<PointelId, double> Energy::majorizer() const {
     parallelBlocks(size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
         for (std::size_t n = begin; n < end; ++n) {
             const PointelId i = pointel(n);
-            const Eigen::SelfAdjointEigenSolver<Mat3d> eigen(alignmentBlock(i),
-                                                             Eigen::EigenvaluesOnly);
+            // The Frobenius norm: hardly more than the largest eigenvalue where one dominates.
+            const double alignment = alignmentBlock(i).norm();
             double fairness = inverseDegree_[i] == 0 ? 0 : weights_.gamma[i];
             for (int slot = 0; slot < kSlots; ++slot) {
                 const PointelId j = surface_.neighbours[i][slot];
                 if (j != kNone<PointelId> && isFairnessNeighbour(j, slot ^ 1))
                     fairness += weights_.gamma[j] * inverseDegree_[j];
             }
-            bound[i] = weights_.alpha[i] + 2 * eigen.eigenvalues()[2] + 2 * fairness;
+            bound[i] = weights_.alpha[i] + 2 * alignment + 2 * fairness;
         }
     });
     return bound;

@@ -47,8 +47,25 @@ public:
 
     [[nodiscard]] const DigitalSurface& surface() const { return surface_; }
     [[nodiscard]] const EnergyWeights& weights() const { return weights_; }
+    [[nodiscard]] const NormalField& normals() const { return normals_; }
     [[nodiscard]] int threads() const { return threads_; }
     [[nodiscard]] std::size_t size() const { return surface_.pointelCount(); }
+    /// Corners k of surfels f at a pointel, as 4 f + k, ascending.
+    [[nodiscard]] std::span<const std::uint32_t> incidentCorners(PointelId i) const {
+        return {incident_.data() + start_[index(i)], incident_.data() + start_[index(i) + 1]};
+    }
+    /// Slots of the fairness neighbours, as bits, and of the pointels whose one this is.
+    [[nodiscard]] unsigned fairnessSlots(PointelId i) const { return fairnessSlots_[i]; }
+    [[nodiscard]] unsigned fairnessUses(PointelId i) const {
+        unsigned uses = 0;
+        for (int slot = 0; slot < kSlots; ++slot) {
+            const PointelId j = surface_.neighbours[i][slot];
+            if (j != kNone<PointelId> && isFairnessNeighbour(j, slot ^ 1)) uses |= 1U << slot;
+        }
+        return uses;
+    }
+    /// G_i, 0 without fairness neighbours.
+    [[nodiscard]] Mat3d fairnessBlock(PointelId i) const;
 
     /// p: the lattice positions.
     [[nodiscard]] PointelVectors restPositions() const;
@@ -83,9 +100,9 @@ private:
         return fairnessSlots_[of] >> slot & 1;
     }
     [[nodiscard]] Vec3d fromMean(const PointelVectors& x, PointelId i) const;
-    [[nodiscard]] Mat3d fairnessBlock(PointelId i) const;
     [[nodiscard]] Vec3d applyFairness(PointelId i, const Vec3d& y) const;
     [[nodiscard]] Mat3d alignmentBlock(PointelId i) const;
+    [[nodiscard]] bool sharesFaces(PointelId i, PointelId neighbour) const;
     void chooseFairnessNeighbours(JunctionFairness rule);
     void listIncidentCorners();
     void computeTangentialFairness();

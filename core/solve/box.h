@@ -1,45 +1,50 @@
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
-#include "core/base/vec.h"
+#include "core/surface/digital_surface.h"
 
 namespace rivage::core {
 
-/// The box |d|_inf <= limit around a rest position, for one displacement. An infinite limit is no
-/// box at all.
+/// The box |d_k| <= limit_k around a rest position, for one displacement. A limit of 0 holds a
+/// coordinate, an infinite one is no limit at all.
 struct Box {
-    double limit = std::numeric_limits<double>::infinity();
+    Vec3d limit = Vec3d::Constant(std::numeric_limits<double>::infinity());
 
     [[nodiscard]] Vec3d project(const Vec3d& d) const { return d.cwiseMin(limit).cwiseMax(-limit); }
-    /// True where a component lies on a side of the box, so that it is not free.
-    [[nodiscard]] bool active(double d) const { return std::abs(d) >= limit; }
-    /// True where all components are free.
-    [[nodiscard]] bool inside(const Vec3d& d) const { return d.cwiseAbs().maxCoeff() < limit; }
-    /// The gradient of the free components, 0 elsewhere.
-    [[nodiscard]] Vec3d freeGradient(const Vec3d& d, const Vec3d& g) const {
-        return masked(g, [&](int k) { return !active(d[k]); });
+    /// The projected gradient, 0 exactly where the KKT conditions hold: the gradient without what
+    /// pushes against a side.
+    [[nodiscard]] Vec3d projectedGradient(const Vec3d& d, const Vec3d& g) const {
+        Vec3d result = g;
+        for (int k = 0; k < 3; ++k) {
+            const bool outward = (d[k] >= limit[k] && g[k] < 0) || (d[k] <= -limit[k] && g[k] > 0);
+            if (limit[k] == 0 || outward) result[k] = 0;
+        }
+        return result;
     }
-    /// The gradient of the active components that want to leave their side, 0 elsewhere.
-    [[nodiscard]] Vec3d choppedGradient(const Vec3d& d, const Vec3d& g) const {
-        return masked(g, [&](int k) { return active(d[k]) && (d[k] > 0) == (g[k] > 0); });
+};
+
+/// The boxes of all pointels: the displacement limit along each axis in sides of a voxel, and
+/// nothing at all for the fixed coordinates.
+class Boxes {
+public:
+    Boxes(const DigitalSurface& surface, std::optional<double> displacementLimit)
+        : surface_(surface) {
+        if (displacementLimit) free_.limit = *displacementLimit * surface.spacing;
     }
-    /// `wanted`, or the largest t >= 0 for which d - t * direction stays in the box if that is less.
-    [[nodiscard]] double feasibleStep(const Vec3d& d, const Vec3d& direction, double wanted) const {
-        double step = wanted;
-        for (int k = 0; k < 3; ++k)
-            if (std::abs(d[k] - wanted * direction[k]) > limit)
-                step = std::min(step, (d[k] + (direction[k] > 0 ? limit : -limit)) / direction[k]);
-        return step;
+    [[nodiscard]] Box operator[](PointelId i) const {
+        Box box = free_;
+        if (!surface_.fixedAxes.empty())
+            for (int k = 0; k < 3; ++k)
+                if (surface_.fixedAxes[i] >> k & 1) box.limit[k] = 0;
+        return box;
     }
 
 private:
-    template <typename Keep>
-    static Vec3d masked(const Vec3d& g, Keep&& keep) {
-        return {keep(0) ? g[0] : 0, keep(1) ? g[1] : 0, keep(2) ? g[2] : 0};
-    }
+    const DigitalSurface& surface_;
+    Box free_;
 };
 
 }  // namespace rivage::core

@@ -1,6 +1,5 @@
 #include "core/solve/coarse_levels.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <numeric>
 
@@ -10,128 +9,170 @@ namespace rivage::core {
 namespace {
 
 constexpr std::size_t kBlock = 4096;
-constexpr std::uint32_t kUnseen = ~0U;
 
-/// Numbers the connected pieces of the pointels that share a box of side 2^level.
-std::vector<std::uint32_t> findPieces(const DigitalSurface& surface, int level,
-                                      std::size_t& count) {
-    std::vector<std::uint32_t> pieces(surface.pointelCount(), kUnseen);
-    std::vector<PointelId> queue;
-    const auto box = [&](PointelId p) {
-        const Vec3i& at = surface.pointels[p];
-        return std::array{at.x() >> level, at.y() >> level, at.z() >> level};
-    };
-    count = 0;
-    for (std::uint32_t first = 0; first < pieces.size(); ++first) {
-        if (pieces[first] != kUnseen) continue;
-        const auto piece = static_cast<std::uint32_t>(count++);
-        const auto here = box(PointelId{first});
-        pieces[first] = piece;
-        queue.assign(1, PointelId{first});
-        while (!queue.empty()) {
-            const PointelId p = queue.back();
-            queue.pop_back();
-            for (const PointelId next : surface.neighbours[p]) {
-                if (next == kNone<PointelId> || pieces[index(next)] != kUnseen) continue;
-                if (box(next) != here) continue;
-                pieces[index(next)] = piece;
-                queue.push_back(next);
-            }
+/// A linel, or all that is left of it on a coarser level: its two ends and how it couples them.
+struct Edge {
+    std::uint32_t a;
+    std::uint32_t b;
+    Symmetric3 block;
+};
+
+/// The linels with their alignment, and with a fairness that couples the ends of each linel as
+/// strongly as the true one, which couples more pointels, does across a straight border.
+std::vector<Edge> listEdges(const Energy& energy, const FloatOperator& operation) {
+    const DigitalSurface& surface = energy.surface();
+    std::vector<Symmetric3> blocks(3 * energy.size(), Symmetric3{});
+    for (std::size_t f = 0; f < surface.surfelCount(); ++f) {
+        const SurfelId s{static_cast<std::uint32_t>(f)};
+        const auto& corners = surface.corners[s];
+        for (int k = 0; k < 4; ++k) {
+            const auto [low, high] = std::minmax(corners[k], corners[(k + 1) % 4]);
+            const auto& ends = surface.neighbours[low];
+            const int axis = ends[1] == high ? 0 : ends[3] == high ? 1 : 2;
+            addSquare(blocks[3 * index(low) + axis], operation.scaledNormals()[s].lanes, 1);
         }
     }
-    return pieces;
+    std::vector<Edge> edges;
+    edges.reserve(2 * energy.size() + energy.size() / 8);
+    const auto couple = [&](Symmetric3& block, PointelId i, int slot) {
+        if ((energy.fairnessSlots(i) >> slot & 1) == 0) return;
+        block.diagonal += operation.fairness()[i].diagonal;
+        block.beside += operation.fairness()[i].beside;
+    };
+    for (std::uint32_t n = 0; n < energy.size(); ++n)
+        for (int slot = 1; slot < kSlots; slot += 2) {
+            const PointelId i{n};
+            const PointelId j = surface.neighbours[i][slot];
+            if (j == kNone<PointelId>) continue;
+            Symmetric3& block = blocks[3 * std::size_t{n} + slot / 2];
+            couple(block, i, slot);
+            couple(block, j, slot ^ 1);
+            edges.push_back({n, index(j), block});
+        }
+    return edges;
 }
 
-/// The diagonal block of each piece of P^T H P, where P moves each piece as one.
-std::vector<Mat3d> pieceBlocks(const Energy& energy, const std::vector<std::uint32_t>& pieces,
-                               std::size_t count) {
-    std::vector<Mat3d> blocks(count, Mat3d::Zero());
-    std::array<std::pair<std::uint32_t, double>, kSlots + 1> sums;
-    energy.forEachSquare([&](std::span<const Energy::Coefficient> row, const Mat3d& block) {
-        std::size_t used = 0;
-        for (const auto& [pointel, value] : row) {
-            const std::uint32_t piece = pieces[index(pointel)];
-            std::size_t at = 0;
-            while (at < used && sums[at].first != piece) ++at;
-            if (at == used) sums[used++] = {piece, 0};
-            sums[at].second += value;
-        }
-        for (std::size_t at = 0; at < used; ++at) {
-            const auto& [piece, value] = sums[at];
-            if (value != 0) blocks[piece] += value * value * block;
-        }
-    });
-    return blocks;
-}
+/// Disjoint sets; the smallest member names its set.
+class Sets {
+public:
+    explicit Sets(std::size_t count) : up_(count) { std::iota(up_.begin(), up_.end(), 0U); }
+    std::uint32_t find(std::uint32_t i) {
+        while (up_[i] != i) i = up_[i] = up_[up_[i]];
+        return i;
+    }
+    void unite(std::uint32_t a, std::uint32_t b) {
+        a = find(a);
+        b = find(b);
+        up_[std::max(a, b)] = std::min(a, b);
+    }
+
+private:
+    std::vector<std::uint32_t> up_;
+};
 
 }  // namespace
 
-CoarseLevels::CoarseLevels(const Energy& energy) : threads_(energy.threads()) {
+/// The pieces of one level: where they are and how they hang together.
+struct CoarseLevels::Graph {
+    std::vector<std::array<int, 3>> boxes;
+    std::vector<float> alpha;
+    std::vector<Edge> edges;
+};
+
+CoarseLevels::CoarseLevels(const Energy& energy, const FloatOperator& operation,
+                           const RunContext& run)
+    : threads_(energy.threads()) {
     constexpr std::size_t kFewest = 8;  // pieces; a coarser level would add nothing
-    std::vector<std::uint32_t> below(energy.size());
-    std::iota(below.begin(), below.end(), 0U);
-    std::size_t belowCount = energy.size();
-    for (int level = 1; belowCount > kFewest; ++level) {
-        std::size_t count = 0;
-        std::vector<std::uint32_t> pieces = findPieces(energy.surface(), level, count);
-        if (count == belowCount) break;
-        addLevel(energy, below, pieces, count);
-        below = std::move(pieces);
-        belowCount = count;
+    if (run.stopped()) return;
+    Graph graph{{}, {}, listEdges(energy, operation)};
+    for (std::size_t n = 0; n < energy.size(); ++n) {
+        const Vec3i& at = energy.surface().pointels.raw()[n];
+        graph.boxes.push_back({at.x(), at.y(), at.z()});
+        graph.alpha.push_back(static_cast<float>(energy.weights().alpha.raw()[n]));
     }
+    while (graph.boxes.size() > kFewest && !graph.edges.empty() && !run.stopped()) addLevel(graph);
 }
 
-void CoarseLevels::addLevel(const Energy& energy, const std::vector<std::uint32_t>& below,
-                            const std::vector<std::uint32_t>& pieces, std::size_t pieceCount) {
-    const std::size_t belowCount = levels_.empty() ? below.size() : levels_.back().inverse.size();
+void CoarseLevels::addLevel(Graph& graph) {
+    const std::size_t count = graph.boxes.size();
+    for (auto& box : graph.boxes)
+        for (int& side : box) side >>= 1;
+    Sets sets(count);
+    for (const Edge& e : graph.edges)
+        if (graph.boxes[e.a] == graph.boxes[e.b]) sets.unite(e.a, e.b);
+
     Level level;
-    level.parent.resize(belowCount);
-    for (std::size_t i = 0; i < pieces.size(); ++i) level.parent[below[i]] = pieces[i];
-    level.start.assign(pieceCount + 1, 0);
-    for (const std::uint32_t piece : level.parent) ++level.start[piece + 1];
-    std::partial_sum(level.start.begin(), level.start.end(), level.start.begin());
-    level.members.resize(belowCount);
+    Graph above;
+    level.parent.resize(count);
+    level.start.assign(1, 0);
+    std::vector<std::uint32_t> sizes;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const std::uint32_t first = sets.find(i);
+        if (first == i) {
+            level.parent[i] = static_cast<std::uint32_t>(above.boxes.size());
+            above.boxes.push_back(graph.boxes[i]);
+            above.alpha.push_back(0);
+            sizes.push_back(0);
+        }
+        const std::uint32_t piece = level.parent[i] = level.parent[first];
+        above.alpha[piece] += graph.alpha[i];
+        ++sizes[piece];
+    }
+    for (const std::uint32_t size : sizes) level.start.push_back(level.start.back() + size);
+    level.members.resize(count);
     std::vector<std::uint32_t> next(level.start.begin(), level.start.end() - 1);
-    for (std::uint32_t i = 0; i < belowCount; ++i) level.members[next[level.parent[i]]++] = i;
-    level.inverse = pieceBlocks(energy, pieces, pieceCount);
-    for (Mat3d& block : level.inverse) block = block.inverse().eval();
-    level.correction.resize(pieceCount);
+    for (std::uint32_t i = 0; i < count; ++i) level.members[next[level.parent[i]]++] = i;
+
+    for (const float alpha : above.alpha)
+        level.inverse.push_back({Lanes{alpha, alpha, alpha, 0}, Lanes{}});
+    for (const Edge& e : graph.edges) {
+        const Edge lifted{level.parent[e.a], level.parent[e.b], e.block};
+        if (lifted.a == lifted.b) continue;
+        for (const std::uint32_t end : {lifted.a, lifted.b}) {
+            level.inverse[end].diagonal += e.block.diagonal;
+            level.inverse[end].beside += e.block.beside;
+        }
+        above.edges.push_back(lifted);
+    }
+    for (Symmetric3& block : level.inverse) block = inverseOf(block);
+    level.sum.resize(above.boxes.size());
+    level.correction.resize(above.boxes.size());
     levels_.push_back(std::move(level));
+    graph = std::move(above);
 }
 
-void CoarseLevels::add(const PointelVectors& r, PointelVectors& z) {
-    // Up: sums of r over the pieces. Each level's sums stand in `correction` until it comes down.
-    const std::vector<Vec3d>* below = &r.raw();
+double CoarseLevels::solve(const FloatVectors& r) {
+    const std::vector<Float4>* below = &r.raw();
     for (Level& level : levels_) {
-        parallelBlocks(level.inverse.size(), kBlock, threads_,
-                       [&](std::size_t begin, std::size_t end) {
-                           for (std::size_t i = begin; i < end; ++i) {
-                               Vec3d sum = Vec3d::Zero();
-                               for (std::uint32_t m = level.start[i]; m < level.start[i + 1]; ++m)
-                                   sum += (*below)[level.members[m]];
-                               level.correction[i] = sum;
-                           }
-                       });
-        below = &level.correction;
+        parallelBlocks(level.sum.size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                Lanes sum{};
+                for (std::uint32_t m = level.start[i]; m < level.start[i + 1]; ++m)
+                    sum += (*below)[level.members[m]].lanes;
+                level.sum[i].lanes = sum;
+            }
+        });
+        below = &level.sum;
     }
     // Down: the correction of a piece is its own and that of the piece it belongs to.
+    double inner = 0;
     for (std::size_t l = levels_.size(); l-- > 0;) {
         Level& level = levels_[l];
         const Level* above = l + 1 < levels_.size() ? &levels_[l + 1] : nullptr;
-        parallelBlocks(level.inverse.size(), kBlock, threads_,
-                       [&](std::size_t begin, std::size_t end) {
-                           for (std::size_t i = begin; i < end; ++i) {
-                               Vec3d& c = level.correction[i];
-                               c = level.inverse[i] * c;
-                               if (above != nullptr) c += above->correction[above->parent[i]];
-                           }
-                       });
+        inner =
+            blockedSum(level.sum.size(), threads_, 0.0, [&](std::size_t begin, std::size_t end) {
+                double partial = 0;
+                for (std::size_t i = begin; i < end; ++i) {
+                    Lanes c = product(level.inverse[i], level.sum[i].lanes);
+                    if (above != nullptr) c += above->correction[above->parent[i]].lanes;
+                    level.correction[i].lanes = c;
+                    const Lanes term = c * level.sum[i].lanes;
+                    partial += double{term[0]} + double{term[1]} + double{term[2]};
+                }
+                return partial;
+            });
     }
-    if (levels_.empty()) return;
-    const Level& finest = levels_.front();
-    parallelBlocks(z.size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) z.raw()[i] += finest.correction[finest.parent[i]];
-    });
+    return inner;
 }
 
 }  // namespace rivage::core

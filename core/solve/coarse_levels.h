@@ -1,8 +1,9 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
-#include "core/energy/energy.h"
+#include "core/energy/float_operator.h"
 
 namespace rivage::core {
 
@@ -11,27 +12,38 @@ namespace rivage::core {
 ///
 /// With the inverse diagonal blocks of the pointels it makes a symmetric positive definite
 /// approximation of H^-1 that also reaches long waves, so conjugate gradients need a third of the
-/// iterations.
-/// @source SOLVER.md (BPX with Galerkin diagonals); [BPX90]
+/// iterations. Where coordinates are held, r is 0 there and the result is to be masked: that keeps
+/// it symmetric.
+/// @source SOLVER.md (BPX; blocks summed over the linels that leave a piece); [BPX90]
 class CoarseLevels {
 public:
-    /// @cost O(pointels) a level, about log2 of the surface's extent levels; 20 bytes a pointel
-    explicit CoarseLevels(const Energy& energy);
+    /// @cost O(pointels) time in all; 30 bytes a pointel, 200 while it is built. If `run` asks to
+    ///       stop, levels are missing.
+    CoarseLevels(const Energy& energy, const FloatOperator& operation, const RunContext& run);
 
-    /// z += (sum over the levels of P D^-1 P^T) r
-    void add(const PointelVectors& r, PointelVectors& z);
+    /// Finds (sum over the levels of P D^-1 P^T) r, see `correction`.
+    /// @return its product with r
+    double solve(const FloatVectors& r);
+    /// What `solve` found for a pointel.
+    [[nodiscard]] const Lanes& correction(std::size_t i) const {
+        const Level& finest = levels_.front();
+        return finest.correction[finest.parent[i]].lanes;
+    }
+    /// False for a surface too small to have coarse levels: then there is no correction.
+    [[nodiscard]] bool any() const { return !levels_.empty(); }
 
 private:
     struct Level {
         std::vector<std::uint32_t> parent;   // piece of each piece of the level below
         std::vector<std::uint32_t> start;    // members_[start[i] .. start[i + 1]) are piece i's
         std::vector<std::uint32_t> members;  // pieces of the level below, ascending
-        std::vector<Mat3d> inverse;
-        std::vector<Vec3d> correction;
+        std::vector<Symmetric3> inverse;
+        std::vector<Float4> sum;
+        std::vector<Float4> correction;
     };
+    struct Graph;
 
-    void addLevel(const Energy& energy, const std::vector<std::uint32_t>& below,
-                  const std::vector<std::uint32_t>& pieces, std::size_t pieceCount);
+    void addLevel(Graph& graph);
 
     int threads_;
     std::vector<Level> levels_;  // finest first

@@ -11,9 +11,11 @@ namespace {
 Result<SolverKind> chooseSolver(const Energy& energy, const SolveOptions& options) {
     const bool boxed = options.displacementLimit.has_value();
     if (options.solver == SolverKind::automatic)
-        return boxed ? SolverKind::projected : SolverKind::pcg;
-    const bool direct = options.solver == SolverKind::pcg || options.solver == SolverKind::cholesky;
-    if (boxed && direct)
+        return boxed ? SolverKind::projected : SolverKind::multigrid;
+    const bool linear = options.solver == SolverKind::pcg ||
+                        options.solver == SolverKind::multigrid ||
+                        options.solver == SolverKind::cholesky;
+    if (boxed && linear)
         return fail(ErrorCode::invalidOption,
                     "this solver does not honour a displacement limit; give "
                     "displacement_limit=none, or solver=projected",
@@ -26,22 +28,30 @@ Result<SolverKind> chooseSolver(const Energy& energy, const SolveOptions& option
 
 }  // namespace
 
-Result<Solution> minimize(const Energy& energy, const SolveOptions& options,
-                          const RunContext& run) {
+Result<Solution> minimize(const Energy& energy, const SolveOptions& options, const RunContext& run,
+                          const PointelVectors* start) {
     const auto solver = chooseSolver(energy, options);
     if (!solver) return fail(solver.error());
     DisplacementSystem system(energy);
-    Box box;
-    if (options.displacementLimit) box.limit = *options.displacementLimit;
+    const Boxes boxes(energy.surface(), options.displacementLimit);
     Result<Solution> solution;
     switch (*solver) {
         case SolverKind::automatic:
-        case SolverKind::projected: solution = solveProjected(system, box, options, run); break;
-        case SolverKind::pcg: solution = solvePcg(system, options, run); break;
-        case SolverKind::gradientDescent:
-            solution = solveGradientDescent(system, box, options, run);
+        case SolverKind::projected:
+            solution = solveProjected(system, boxes, options, run, start);
             break;
-        case SolverKind::cholesky: solution = solveCholesky(system, run); break;
+        case SolverKind::accelerated:
+            solution = solveAccelerated(system, boxes, options, run, start);
+            break;
+        case SolverKind::pcg:
+        case SolverKind::multigrid:
+            solution =
+                solvePcg(system, boxes, *solver == SolverKind::multigrid, options, run, start);
+            break;
+        case SolverKind::gradientDescent:
+            solution = solveGradientDescent(system, boxes, options, run, start);
+            break;
+        case SolverKind::cholesky: solution = solveCholesky(system, boxes, run); break;
     }
     if (run.stopped()) return fail(run.stopError());
     return solution;

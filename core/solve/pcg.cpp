@@ -1,43 +1,54 @@
 #include "core/solve/pcg.h"
 
-#include <Eigen/LU>
+#include <optional>
 
-#include "core/solve/coarse_levels.h"
+#include "core/solve/float_cg.h"
 
 namespace rivage::core {
 
-Solution solvePcg(DisplacementSystem& system, const SolveOptions& options, const RunContext& run) {
-    IdVector<PointelId, Mat3d> inverse = system.energy().diagonalBlocks();
-    system.forEach([&](PointelId i) { inverse[i] = inverse[i].inverse().eval(); });
+Solution solvePcg(DisplacementSystem& system, const Boxes& boxes, bool coarse,
+                  const SolveOptions& options, const RunContext& run, const PointelVectors* start) {
+    // As far as a round in float may reduce the residual before it is measured again: less, and
+    // rounding would make it lie; more, and measuring would cost too much.
+    constexpr double kRound = 1e-3;
+    Refinement refinement(system, boxes, start);
+    FloatOperator operation(system.energy(), run);
+    std::optional<CoarseLevels> levels;
+    if (coarse && !run.stopped()) levels.emplace(system.energy(), operation, run);
+    const char* name = coarse ? "multigrid" : "pcg";
+    Convergence convergence(refinement.initial(), options, run);
+    if (run.stopped()) return {refinement.positions(), name, 0, 1, false};
 
-    PointelVectors d(system.size(), Vec3d::Zero());
-    PointelVectors r = system.rightSide();
-    CoarseLevels coarse(system.energy());
-    PointelVectors z(system.size());
-    system.forEach([&](PointelId i) { z[i] = inverse[i] * r[i]; });
-    coarse.add(r, z);
-    PointelVectors p = z;
-    PointelVectors q(system.size());
+    Preconditioner preconditioner(system.energy(), operation, levels ? &*levels : nullptr);
+    FloatCg cg(system.energy(), operation, preconditioner);
+    FloatVectors work(system.size());
+    refinement.movable(work);
+    preconditioner.setFree(work);
 
-    Convergence convergence(system.norm(r), options, run);
-    double rz = system.dot(r, z);
     int iterations = 0;
-    while (convergence.goOn(system.norm(r), iterations)) {
-        ++iterations;
-        system.apply(p, q);
-        const double step = rz / system.dot(p, q);
-        system.forEach([&](PointelId i) {
-            d[i] += step * p[i];
-            r[i] -= step * q[i];
-            z[i] = inverse[i] * r[i];
-        });
-        coarse.add(r, z);
-        const double rzNext = system.dot(r, z);
-        const double keep = rzNext / rz;
-        rz = rzNext;
-        system.forEach([&](PointelId i) { p[i] = z[i] + keep * p[i]; });
+    double residual = refinement.measure();
+    while (convergence.goOn(residual, iterations)) {
+        refinement.residual(work);
+        cg.setResidual(work);
+        const double target =
+            std::max(kRound * residual, 0.7 * options.tolerance * refinement.initial());
+        double reached = residual;
+        while (reached > target && convergence.goOn(reached, iterations)) {
+            const double squared = cg.step();
+            ++iterations;
+            if (squared < 0) break;
+            reached = std::sqrt(squared);
+        }
+        refinement.add(cg.correction());
+        const double last = residual;
+        residual = refinement.measure();
+        if (residual > 0.5 * last) cg.forget();
+        // Double precision is used up.
+        if (residual > 0.99 * last && reached <= target) break;
     }
-    return {system.positions(d), "pcg", iterations, convergence.relative(), convergence.reached()};
+    convergence.goOn(residual, iterations);
+    return {refinement.positions(), name, iterations, convergence.relative(),
+            convergence.reached()};
 }
 
 }  // namespace rivage::core

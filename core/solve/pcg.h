@@ -1,12 +1,14 @@
 #pragma once
 
-#include "core/solve/displacement_system.h"
+#include "core/solve/refinement.h"
 
 namespace rivage::core {
 
-/// The exact minimizer without a displacement limit: conjugate gradients, preconditioned with the
-/// inverse 3x3 diagonal blocks and coarse levels.
+/// The exact minimizer without a displacement limit: preconditioned conjugate gradients in float
+/// inside iterative refinement in double. Fixed coordinates are held.
+/// @param coarse  coarse levels in the preconditioner (`multigrid`), or block Jacobi alone (`pcg`)
 /// @source METHOD.md 2.5, SOLVER.md
-Solution solvePcg(DisplacementSystem& system, const SolveOptions& options, const RunContext& run);
+Solution solvePcg(DisplacementSystem& system, const Boxes& boxes, bool coarse,
+                  const SolveOptions& options, const RunContext& run, const PointelVectors* start);
 
 }  // namespace rivage::core

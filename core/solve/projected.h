@@ -1,17 +1,19 @@
 #pragma once
 
-#include "core/solve/box.h"
-#include "core/solve/displacement_system.h"
+#include "core/solve/refinement.h"
 
 namespace rivage::core {
 
-/// The exact minimizer in the box, to its KKT conditions: a start with accelerated projected
-/// gradients, then modified proportioning with reduced gradient projections (MPRGP), a conjugate
-/// gradient method that changes its active set as it goes. Free components are preconditioned with
-/// the inverses of the free parts of the 3x3 diagonal blocks; gradient steps are scaled by the
-/// majorizer, so that they are safe.
-/// @source [DS05], [OC15]; METHOD.md 7.2
-Solution solveProjected(DisplacementSystem& system, const Box& box, const SolveOptions& options,
-                        const RunContext& run);
+/// The exact minimizer in the box, to its KKT conditions: projected gradients with momentum, then
+/// MPRGP, in float (`FloatMprgp`) inside iterative refinement in double.
+/// @source METHOD.md 7.2
+Solution solveProjected(DisplacementSystem& system, const Boxes& boxes, const SolveOptions& options,
+                        const RunContext& run, const PointelVectors* start);
+
+/// Projected gradients with momentum alone: a good surface after 10 to 50 steps, for previews. Runs
+/// `maxIterations` steps unless the tolerance, which it looks at now and then, is reached earlier.
+Solution solveAccelerated(DisplacementSystem& system, const Boxes& boxes,
+                          const SolveOptions& options, const RunContext& run,
+                          const PointelVectors* start);
 
 }  // namespace rivage::core
