@@ -24,6 +24,7 @@ Energy::Energy(const DigitalSurface& surface, NormalField normals, EnergyWeights
     : surface_(surface),
       normals_(std::move(normals)),
       weights_(std::move(weights)),
+      options_(options),
       threads_(threads) {
     chooseFairnessNeighbours(options.junctionFairness);
     listIncidentCorners();

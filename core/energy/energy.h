@@ -48,6 +48,7 @@ public:
     [[nodiscard]] const DigitalSurface& surface() const { return surface_; }
     [[nodiscard]] const EnergyWeights& weights() const { return weights_; }
     [[nodiscard]] const NormalField& normals() const { return normals_; }
+    [[nodiscard]] const EnergyOptions& options() const { return options_; }
     [[nodiscard]] int threads() const { return threads_; }
     [[nodiscard]] std::size_t size() const { return surface_.pointelCount(); }
     /// Corners k of surfels f at a pointel, as 4 f + k, ascending.
@@ -110,6 +111,7 @@ private:
     const DigitalSurface& surface_;
     NormalField normals_;
     EnergyWeights weights_;
+    EnergyOptions options_;
     int threads_;
     IdVector<PointelId, std::uint8_t> fairnessSlots_;
     IdVector<PointelId, double> inverseDegree_;  // 0 without fairness neighbours

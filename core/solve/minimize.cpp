@@ -8,7 +8,7 @@
 namespace rivage::core {
 namespace {
 
-Result<SolverKind> chooseSolver(const Energy& energy, const SolveOptions& options) {
+Result<SolverKind> chooseSolver(const Energy& energy, const SolveOptions& options, bool held) {
     const bool boxed = options.displacementLimit.has_value();
     if (options.solver == SolverKind::automatic)
         return boxed ? SolverKind::projected : SolverKind::multigrid;
@@ -20,6 +20,9 @@ Result<SolverKind> chooseSolver(const Energy& energy, const SolveOptions& option
                     "this solver does not honour a displacement limit; give "
                     "displacement_limit=none, or solver=projected",
                     "/options/solver");
+    if (options.solver == SolverKind::cholesky && held)
+        return fail(ErrorCode::invalidOption, "this solver cannot hold a part of the surface",
+                    "/options/solver");
     if (options.solver == SolverKind::cholesky && energy.size() > kMaxCholeskyPointels)
         return fail(Error{ErrorCode::tooLarge, "solver=cholesky is a reference for small surfaces",
                           "/options/solver", kMaxCholeskyPointels, energy.size()});
@@ -29,27 +32,27 @@ Result<SolverKind> chooseSolver(const Energy& energy, const SolveOptions& option
 }  // namespace
 
 Result<Solution> minimize(const Energy& energy, const SolveOptions& options, const RunContext& run,
-                          const PointelVectors* start) {
-    const auto solver = chooseSolver(energy, options);
+                          const Start& start) {
+    const auto solver = chooseSolver(energy, options, start.held != nullptr);
     if (!solver) return fail(solver.error());
     DisplacementSystem system(energy);
-    const Boxes boxes(energy.surface(), options.displacementLimit);
+    const Boxes boxes(energy.surface(), options.displacementLimit, start.held);
     Result<Solution> solution;
     switch (*solver) {
         case SolverKind::automatic:
         case SolverKind::projected:
-            solution = solveProjected(system, boxes, options, run, start);
+            solution = solveProjected(system, boxes, options, run, start.positions);
             break;
         case SolverKind::accelerated:
-            solution = solveAccelerated(system, boxes, options, run, start);
+            solution = solveAccelerated(system, boxes, options, run, start.positions);
             break;
         case SolverKind::pcg:
         case SolverKind::multigrid:
-            solution =
-                solvePcg(system, boxes, *solver == SolverKind::multigrid, options, run, start);
+            solution = solvePcg(system, boxes, *solver == SolverKind::multigrid, options, run,
+                                start.positions);
             break;
         case SolverKind::gradientDescent:
-            solution = solveGradientDescent(system, boxes, options, run, start);
+            solution = solveGradientDescent(system, boxes, options, run, start.positions);
             break;
         case SolverKind::cholesky: solution = solveCholesky(system, boxes, run); break;
     }

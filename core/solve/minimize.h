@@ -15,17 +15,24 @@ struct Solution {
     bool converged = true;  ///< the residual is at most the tolerance
 };
 
+/// Where the iterative solvers begin; by default at the rest positions.
+struct Start {
+    const PointelVectors* positions = nullptr;  ///< of an earlier solution, say
+    /// 1 for the pointels that stay at their start; nullptr for none. Not for `cholesky`.
+    const IdVector<PointelId, std::uint8_t>* held = nullptr;
+};
+
 /// Minimizes the energy, inside the box |x_i - p_i|_inf <= displacementLimit if one is set.
 ///
 /// Everything is solved for the displacement x - p, whose right-hand side is small, so that the
 /// relative residual means what it says. Fixed coordinates of the surface stay where they rest.
-/// @param start  positions of an earlier solution to begin at, for all iterative solvers; the
-///               residual is still relative to that of the rest positions
+/// @param start  for all iterative solvers; the residual is still relative to that of the rest
+///               positions
 /// @errors invalidOption if `pcg`, `multigrid` or `cholesky` is asked for together with a limit;
 ///         tooLarge if `cholesky` is asked for a surface above `kMaxCholeskyPointels`; cancelled
 /// @cost   a few hundred operator applications in float, METHOD.md 2.5 and 7.2
 Result<Solution> minimize(const Energy& energy, const SolveOptions& options, const RunContext& run,
-                          const PointelVectors* start = nullptr);
+                          const Start& start = {});
 
 /// Factorization is a reference for small surfaces: its time grows with the square of the size.
 inline constexpr std::size_t kMaxCholeskyPointels = 20000;

@@ -20,6 +20,8 @@ Refinement::Refinement(DisplacementSystem& system, const Boxes& boxes, const Poi
     const DigitalSurface& surface = system.energy().surface();
     system.forEach(
         [&](PointelId i) { d_[i] = boxes_[i].project((*start)[i] - surface.position(i)); });
+    // A part that rests at its minimum may still be pulled by what is held beside it.
+    if (boxes.holds()) initial_ = std::max(initial_, measure());
 }
 
 double Refinement::measure() {
@@ -42,8 +44,9 @@ void Refinement::residual(FloatVectors& r) const {
 void Refinement::movable(FloatVectors& free) const {
     free.resize(d_.size());
     system_.forEach([&](PointelId i) {
-        const Vec3d limit = boxes_[i].limit;
-        free[i].lanes = lanesOf((limit.array() > 0).cast<double>().matrix());
+        const Box box = boxes_[i];
+        free[i].lanes =
+            lanesOf(Vec3d(box.movable(0) ? 1 : 0, box.movable(1) ? 1 : 0, box.movable(2) ? 1 : 0));
     });
 }
 
@@ -51,23 +54,28 @@ void Refinement::room(FloatVectors& lo, FloatVectors& hi) const {
     lo.resize(d_.size());
     hi.resize(d_.size());
     system_.forEach([&](PointelId i) {
-        const Vec3d limit = boxes_[i].limit;
+        const Box box = boxes_[i];
         lo[i].lanes = hi[i].lanes = Lanes{};
         for (int k = 0; k < 3; ++k) {
-            lo[i].lanes[k] = -roundedDown(limit[k] + d_[i][k]);
-            hi[i].lanes[k] = roundedDown(limit[k] - d_[i][k]);
+            if (!box.movable(k)) continue;
+            lo[i].lanes[k] = -roundedDown(box.limit[k] + d_[i][k]);
+            hi[i].lanes[k] = roundedDown(box.limit[k] - d_[i][k]);
         }
     });
 }
 
 void Refinement::descend(const IdVector<PointelId, double>& m) {
-    system_.forEach([&](PointelId i) { d_[i] = boxes_[i].project(d_[i] - g_[i] / m[i]); });
+    system_.forEach([&](PointelId i) {
+        const Box box = boxes_[i];
+        d_[i] = box.project(d_[i] - box.projectedGradient(d_[i], g_[i]) / m[i]);
+    });
 }
 
 void Refinement::add(const FloatVectors& correction) {
     system_.forEach([&](PointelId i) {
         const Box box = boxes_[i];
         for (int k = 0; k < 3; ++k) {
+            if (!box.movable(k)) continue;
             const float e = correction[i].lanes[k];
             const double moved = d_[i][k] + static_cast<double>(e);
             // A side as float arithmetic saw it is the side.
