@@ -14,6 +14,15 @@ struct Box {
     Vec3d limit = Vec3d::Constant(std::numeric_limits<double>::infinity());
 
     [[nodiscard]] Vec3d project(const Vec3d& d) const { return d.cwiseMin(limit).cwiseMax(-limit); }
+    /// The displacement of a position that a solver gave: one that rounding took off its side is on
+    /// it again.
+    [[nodiscard]] Vec3d recover(const Vec3d& position, const Vec3d& rest) const {
+        constexpr double kRounding = 1e-11;  // of coordinates up to 2^15, twice
+        Vec3d d = project(position - rest);
+        for (int k = 0; k < 3; ++k)
+            if (limit[k] - std::abs(d[k]) < kRounding) d[k] = std::copysign(limit[k], d[k]);
+        return d;
+    }
     /// The pointel stays where it is, wherever that is.
     bool held = false;
     /// True if coordinate k may move at all.

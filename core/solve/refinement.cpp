@@ -19,7 +19,7 @@ Refinement::Refinement(DisplacementSystem& system, const Boxes& boxes, const Poi
     if (start == nullptr) return;
     const DigitalSurface& surface = system.energy().surface();
     system.forEach(
-        [&](PointelId i) { d_[i] = boxes_[i].project((*start)[i] - surface.position(i)); });
+        [&](PointelId i) { d_[i] = boxes_[i].recover((*start)[i], surface.position(i)); });
     // A part that rests at its minimum may still be pulled by what is held beside it.
     if (boxes.holds()) initial_ = std::max(initial_, measure());
 }

@@ -166,19 +166,23 @@ TEST_SUITE("core/solve") {
     TEST_CASE("warm start: a solution is recognized by every iterative solver") {
         const PreparedSurface prepared(sectorGrid(16, 6.5), {}, [](DigitalSurface&) {});
         const Energy energy = prepared.energy();
-        for (const SolverKind solver :
-             {SolverKind::pcg, SolverKind::multigrid, SolverKind::projected,
-              SolverKind::accelerated, SolverKind::gradientDescent}) {
-            CAPTURE(static_cast<int>(solver));
-            SolveOptions options{.solver = solver, .displacementLimit = std::nullopt};
+        for (const std::optional<double> limit : {std::optional<double>(), std::optional(0.2)}) {
             const auto exact =
-                minimize(energy, {.displacementLimit = std::nullopt, .tolerance = 1e-9}, {});
+                minimize(energy, {.displacementLimit = limit, .tolerance = 1e-9}, {});
             REQUIRE(exact);
-            const auto again = minimize(energy, options, {}, {.positions = &exact->positions});
-            REQUIRE(again);
-            CHECK(again->converged);
-            CHECK(again->iterations == 0);
-            CHECK(largestDifference(again->positions, exact->positions) < 1e-12);
+            for (const SolverKind solver :
+                 {SolverKind::pcg, SolverKind::multigrid, SolverKind::projected,
+                  SolverKind::accelerated, SolverKind::gradientDescent}) {
+                CAPTURE(static_cast<int>(solver));
+                if (limit && (solver == SolverKind::pcg || solver == SolverKind::multigrid))
+                    continue;
+                const auto again = minimize(energy, {.solver = solver, .displacementLimit = limit},
+                                            {}, {.positions = &exact->positions});
+                REQUIRE(again);
+                CHECK(again->converged);
+                CHECK(again->iterations == 0);
+                CHECK(largestDifference(again->positions, exact->positions) < 1e-10);
+            }
         }
     }
 
