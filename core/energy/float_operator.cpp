@@ -188,6 +188,11 @@ void FloatOperator::sortRows(const Energy& energy, const RunContext& run) {
         tiles_.push_back(static_cast<std::uint32_t>(groups_.size()));
     }
     for (Group& group : groups_) {
+        if (run.stopped()) {
+            // No rows at all: what is left of a stopped solver then touches nothing.
+            tiles_.assign(1, 0);
+            return;
+        }
         group.entry = static_cast<std::uint32_t>(entries_.size());
         for (std::uint32_t r = 0; r < group.count; ++r) {
             const PointelId i{rows_[group.row + r]};

@@ -9,7 +9,7 @@
 
 namespace rivage::core {
 
-/// `Energy::apply` in single precision, about six times as fast: for the inner loops of solvers
+/// `Energy::apply` in single precision, about three times as fast: for the inner loops of solvers
 /// that measure what they reached in double.
 ///
 /// Three passes, as in `Energy`: per surfel, per pointel its fairness term, per pointel the sum of
@@ -22,7 +22,7 @@ public:
     enum class Instructions : std::uint8_t { best, plain };
 
     /// @cost O(pointels + surfels) time, about 150 bytes a pointel. If `run` asks to stop, the
-    ///       operator is incomplete and must not be used.
+    ///       operator may have no rows, and `apply` computes nothing.
     FloatOperator(const Energy& energy, const RunContext& run,
                   Instructions instructions = Instructions::best);
 
@@ -58,9 +58,9 @@ private:
     IdVector<SurfelId, Float4> normals_;
     IdVector<PointelId, Symmetric3> fairness_;
     std::vector<Group> groups_;
-    std::vector<std::uint32_t> tiles_;    // groups_[tiles_[t] .. tiles_[t + 1])
-    std::vector<std::uint32_t> rows_;     // pointels
-    std::vector<std::uint32_t> entries_;  // of a row: its means, corners 4 f + k, uses
+    std::vector<std::uint32_t> tiles_ = {0};  // groups_[tiles_[t] .. tiles_[t + 1])
+    std::vector<std::uint32_t> rows_;         // pointels
+    std::vector<std::uint32_t> entries_;      // of a row: its means, corners 4 f + k, uses
     std::vector<Float4> faceTerms_;
     std::vector<Float4> fairnessTerms_;
 };

@@ -19,12 +19,14 @@ struct Edge {
 
 /// The linels with their alignment, and with a fairness that couples the ends of each linel as
 /// strongly as the true one, which couples more pointels, does across a straight border.
-std::vector<Edge> listEdges(const Energy& energy, const FloatOperator& operation) {
+std::vector<Edge> listEdges(const Energy& energy, const FloatOperator& operation,
+                            const RunContext& run) {
     const DigitalSurface& surface = energy.surface();
     std::vector<Symmetric3> blocks(3 * energy.size(), Symmetric3{});
     for (std::size_t f = 0; f < surface.surfelCount(); ++f) {
         const SurfelId s{static_cast<std::uint32_t>(f)};
         const auto& corners = surface.corners[s];
+        if (f % kBlock == 0 && run.stopped()) return {};
         for (int k = 0; k < 4; ++k) {
             const auto [low, high] = std::minmax(corners[k], corners[(k + 1) % 4]);
             const auto& ends = surface.neighbours[low];
@@ -39,7 +41,8 @@ std::vector<Edge> listEdges(const Energy& energy, const FloatOperator& operation
         block.diagonal += operation.fairness()[i].diagonal;
         block.beside += operation.fairness()[i].beside;
     };
-    for (std::uint32_t n = 0; n < energy.size(); ++n)
+    for (std::uint32_t n = 0; n < energy.size(); ++n) {
+        if (n % kBlock == 0 && run.stopped()) return {};
         for (int slot = 1; slot < kSlots; slot += 2) {
             const PointelId i{n};
             const PointelId j = surface.neighbours[i][slot];
@@ -49,6 +52,7 @@ std::vector<Edge> listEdges(const Energy& energy, const FloatOperator& operation
             couple(block, j, slot ^ 1);
             edges.push_back({n, index(j), block});
         }
+    }
     return edges;
 }
 
@@ -84,7 +88,7 @@ CoarseLevels::CoarseLevels(const Energy& energy, const FloatOperator& operation,
     : threads_(energy.threads()) {
     constexpr std::size_t kFewest = 8;  // pieces; a coarser level would add nothing
     if (run.stopped()) return;
-    Graph graph{{}, {}, listEdges(energy, operation)};
+    Graph graph{{}, {}, listEdges(energy, operation, run)};
     for (std::size_t n = 0; n < energy.size(); ++n) {
         const Vec3i& at = energy.surface().pointels.raw()[n];
         graph.boxes.push_back({at.x(), at.y(), at.z()});

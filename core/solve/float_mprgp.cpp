@@ -105,7 +105,8 @@ Lanes FloatMprgp::clamped(std::size_t i, const Lanes& e) const {
 
 Lanes FloatMprgp::freeGradient(std::size_t i) const {
     const Lanes e = e_.raw()[i].lanes;
-    return (e < hi_.raw()[i].lanes) & (e > lo_.raw()[i].lanes) ? g_.raw()[i].lanes : Lanes{};
+    const auto free = (e < hi_.raw()[i].lanes) & (e > lo_.raw()[i].lanes);
+    return free ? g_.raw()[i].lanes : Lanes{};
 }
 
 // Of the coordinates on a side that want to leave it; held ones are on both sides.
@@ -206,7 +207,8 @@ void FloatMprgp::restart() {
     forEachLanes(size_, threads_, [&](std::size_t i) {
         const Lanes e = e_.raw()[i].lanes;
         const Lanes one{1, 1, 1, 0};
-        free.raw()[i].lanes = (e < hi_.raw()[i].lanes) & (e > lo_.raw()[i].lanes) ? one : Lanes{};
+        const auto inside = (e < hi_.raw()[i].lanes) & (e > lo_.raw()[i].lanes);
+        free.raw()[i].lanes = inside ? one : Lanes{};
     });
     preconditioner_.setFree(free);
     forEachLanes(size_, threads_, [&](std::size_t i) {
