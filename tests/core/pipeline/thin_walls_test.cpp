@@ -77,6 +77,8 @@ Sides regularizedWall(const Vec3i& direction, bool split) {
     const Vec3d normal = direction.cast<double>().normalized();
     Regularized wall{*extractSurface(wallGrid(direction), {}), {}};
     const SurfelLinks links = *linkSurfels(wall.surface, {});
+    // The border is to be free here, so that what it holds back does not reach into the middle.
+    wall.surface.fixedAxes = {};
     if (split) CHECK(*splitUmbrellas(wall.surface, links, {}) > 100);
     const MethodOptions options;
     const Energy energy(wall.surface, NormalField(wall.surface.surfelCount(), normal),
