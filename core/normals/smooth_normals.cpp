@@ -10,10 +10,18 @@
 namespace rivage::core {
 namespace {
 
-/// The normal of the largest coherent disc below a radius, the trivial one if there is none.
+/// Whether a disc speaks for the surfel at its centre: on a smooth surface no surfel faces away from
+/// the normal, but next to the root of a thin part most of the disc may lie on the thick one.
+bool speaksFor(const Disc& disc, const Vec3d& trivial) {
+    constexpr double kAway = -0.05;  // below 0 for the risers of nearly flat slopes
+    return disc.coherent() && disc.normal.dot(trivial) > kAway;
+}
+
+/// The normal of the largest disc that speaks for the surfel below a radius, the trivial one if there is none.
 Vec3d narrowNormal(const DigitalSurface& surface, PatchWalker& walker, SurfelId s, double below) {
     constexpr std::array kRadii{1.5, 2.0, 3.0, 4.0};
-    Vec3d normal = surface.trivialNormal(s).cast<double>();
+    const Vec3d trivial = surface.trivialNormal(s).cast<double>();
+    Vec3d normal = trivial;
     DiscSums sums;
     walker.walkScales(
         s, kRadii,
@@ -22,8 +30,8 @@ Vec3d narrowNormal(const DigitalSurface& surface, PatchWalker& walker, SurfelId 
         },
         [&](std::size_t scale) {
             if (kRadii[scale] >= below) return false;
-            const Disc disc = sums.disc(surface, kRadii[scale], normal);
-            if (disc.coherent()) normal = disc.normal;
+            const Disc disc = sums.disc(surface, kRadii[scale], trivial);
+            if (speaksFor(disc, trivial)) normal = disc.normal;
             return true;
         });
     return normal;
@@ -63,7 +71,7 @@ Result<SmoothNormals> smoothNormals(const DigitalSurface& surface, const SurfelL
                 return true;
             });
         result.normals[s] =
-            window.coherent() ? window.normal : narrowNormal(surface, walker, s, radius);
+            speaksFor(window, trivial) ? window.normal : narrowNormal(surface, walker, s, radius);
         result.density[s] = static_cast<float>(standing) / static_cast<float>(all);
     };
     if (!forEachSurfel(surface, links, run, measure)) return fail(run.stopError());

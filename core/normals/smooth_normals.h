@@ -12,7 +12,7 @@ struct SmoothNormals {
 };
 
 /// Averages the trivial normals in discs of a radius; folds and thin parts take the largest smaller
-/// disc that is coherent.
+/// disc that is coherent and does not face away from the surfel.
 /// @errors  cancelled
 /// @cost    one patch a surfel
 /// @source  METHOD.md 3.1
