@@ -17,7 +17,7 @@ MethodOptions presetOptions(Preset preset) {
             options.solve.displacementLimit = std::nullopt;
             options.solve.untangle = false;
             break;
-        case Preset::organic: options.normals.method = NormalMethod::guided; break;
+        case Preset::organic: options.normals.method = NormalMethod::convolved; break;
         case Preset::architectural:
             options.normals.method = NormalMethod::discVote;
             options.energy.alpha = 0.05;

@@ -4,6 +4,7 @@
 #include "core/normals/disc_vote.h"
 #include "core/normals/grow.h"
 #include "core/normals/joint_bilateral.h"
+#include "core/normals/smooth_normals.h"
 #include "core/normals/surfel_loop.h"
 
 namespace rivage::core {
@@ -41,7 +42,8 @@ Result<CreaseNormals> creaseNormals(const DigitalSurface& surface, const SurfelL
         const DiscVote result = voting.vote(s, walker);
         guide[s] = result.normal;
         spread[s] = static_cast<float>(result.spread);
-        if (result.planeRadius >= kPlanarRadius)
+        // Next to thin parts windows of any size mix their sides; small discs do so the least.
+        if (result.planeRadius >= kPlanarRadius || bent[s] >= kFold)
             creases.share[s] = static_cast<float>(smoothstep(kBent, kCreased, bent[s]));
     };
     const auto refine = [&](SurfelId s, PatchWalker& walker) {

@@ -10,6 +10,7 @@ namespace {
 constexpr double kSmallest = 1.01;
 constexpr double kRadiusSteps[] = {kSmallest, 1.5, 2, 2.5, 3, 3.5, 4, 4.5, 5, 6};
 constexpr double kFlatEnough = 1.5;   // flatness at which a disc has no vote
+constexpr double kNeverFlat = 4;      // flatness above which no larger disc is flat again
 constexpr double kFirstWindow = 0.4;  // radians, of the mean shift
 constexpr double kNarrowing = 0.6;
 constexpr int kShifts = 6;
@@ -34,8 +35,9 @@ void DiscVoting::choose(SurfelId s, PatchWalker& walker) {
             sums.add(surface_, g, offset, distance);
         },
         [&](std::size_t scale) {
-            consider(s, radii_[scale], sums.disc(surface_, radii_[scale], trivial));
-            return true;
+            const Disc disc = sums.disc(surface_, radii_[scale], trivial);
+            consider(s, radii_[scale], disc);
+            return disc.flatness < kNeverFlat;
         });
 }
 
@@ -56,7 +58,8 @@ DiscVote DiscVoting::vote(SurfelId s, PatchWalker& walker) const {
 void DiscVoting::consider(SurfelId s, double radius, const Disc& disc) {
     if (!disc.coherent()) return;
     const double flat = std::max(0.0, 1 - disc.flatness / kFlatEnough);
-    const double score = std::pow(radius, 3) * std::pow(flat, 6);
+    const double cube = flat * flat * flat;
+    const double score = radius * radius * radius * cube * cube;
     if (score > best_[s].score) best_[s] = {disc.normal, radius, score};
 }
 

@@ -51,12 +51,15 @@ Vec3d IntegralInvariant::normal(SurfelId s, PatchWalker& walker) const {
     Moments inner;
     Moments outer;
     for (const Vec3i& voxel : ball_[axis]) {
-        const Label label = grid_.labelAt(corner + voxel);
+        const Vec3i at = corner + voxel;
+        if (grid_.openBorder && !grid_.voxels.contains(at))
+            return convolvedNormal(surface_, walker, s, radius_);
+        const Label label = grid_.labelAt(at);
         if (label == labels.inner)
             inner.add(fromCentre(voxel, axis, surface_.spacing));
         else if (label == labels.outer)
             outer.add(fromCentre(voxel, axis, surface_.spacing));
-        else
+        else  // a third label, or what lies behind an open border
             return convolvedNormal(surface_, walker, s, radius_);
     }
     const Moments& thinner = inner.count <= outer.count ? inner : outer;

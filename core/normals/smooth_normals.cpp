@@ -42,7 +42,6 @@ Vec3d narrowNormal(const DigitalSurface& surface, PatchWalker& walker, SurfelId 
 Result<SmoothNormals> smoothNormals(const DigitalSurface& surface, const SurfelLinks& links,
                                     double radius, const RunContext& run) {
     constexpr double kFlatnessRadius = 4;
-    constexpr float kFold = 9;
     const std::array radii{std::min(kFlatnessRadius, radius), std::max(kFlatnessRadius, radius)};
     SmoothNormals result;
     result.normals.resize(surface.surfelCount());
@@ -65,8 +64,9 @@ Result<SmoothNormals> smoothNormals(const DigitalSurface& surface, const SurfelL
             [&](std::size_t scale) {
                 const Disc disc = sums.disc(surface, radii[scale], trivial);
                 if (radii[scale] == kFlatnessRadius)
-                    result.flatness[s] =
-                        disc.coherent() ? static_cast<float>(disc.flatness) : kFold;
+                    result.flatness[s] = disc.coherent()
+                                             ? std::min(static_cast<float>(disc.flatness), kFold)
+                                             : kFold;
                 if (radii[scale] == radius) window = disc;
                 return true;
             });

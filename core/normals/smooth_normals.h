@@ -4,10 +4,13 @@
 
 namespace rivage::core {
 
+/// Flatness that stands for an incoherent disc: a fold or a thin part.
+inline constexpr float kFold = 9;
+
 /// Convolved normals, with what the same windows tell about the surface.
 struct SmoothNormals {
     NormalField normals;
-    IdVector<SurfelId, float> flatness;  ///< of the disc of radius 4; large where it is a fold
+    IdVector<SurfelId, float> flatness;  ///< of the disc of radius 4, at most `kFold`
     IdVector<SurfelId, float> density;   ///< of standouts, see noise_level.h
 };
 
