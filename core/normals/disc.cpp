@@ -4,28 +4,6 @@
 
 namespace rivage::core {
 
-void DiscSums::add(const DigitalSurface& surface, SurfelId s, const Vec3d& offset,
-                   double distance) {
-    const int axis = surface.axis[s];
-    const auto area = static_cast<float>(surface.faceArea(axis));
-    const Eigen::Array3f at = offset.cast<float>().array();
-    const Eigen::Array3f weighted = area * at;
-    Row row = Row::Zero();
-    row[0] = area;
-    row[1 + axis] = surface.innerIsLow[s] ? area : -area;
-    row.segment<3>(4) = weighted;
-    row.segment<3>(8) = weighted * at;
-    row[12] = weighted.x() * at.y();
-    row[13] = weighted.x() * at.z();
-    row[14] = weighted.y() * at.z();
-    plain_ += row;
-    // In multiples of 1/256 all sums of a window are exact, so they do not depend on the order in
-    // which it is walked: the estimate has every symmetry of the grid.
-    constexpr float kSteps = 256;
-    const auto rounded = static_cast<float>(static_cast<int>(distance * kSteps + 0.5)) / kSteps;
-    timesDistance_ += rounded * row;
-}
-
 Disc DiscSums::disc(const DigitalSurface& surface, double radius, const Vec3d& fallback) const {
     Eigen::Array<double, 16, 1> mean =
         plain_.cast<double>() - timesDistance_.cast<double>() / radius;

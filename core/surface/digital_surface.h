@@ -52,7 +52,7 @@ struct DigitalSurface {
     /// Slots whose linel is a junction linel (3 or more labels around it), as bits.
     IdVector<PointelId, std::uint8_t> junctionSlots;
 
-    /// Counter-clockwise seen from the outer voxel.
+    /// Counter-clockwise seen from the outer voxel, from the lowest corner.
     IdVector<SurfelId, std::array<PointelId, 4>> corners;
     IdVector<SurfelId, std::uint8_t> axis;
     /// 1 if the inner voxel is the low one (the normal goes +axis), 0 if it is the high one.
@@ -98,7 +98,7 @@ struct DigitalSurface {
     }
     /// Twice the centre on the lattice, so that it stays integer.
     [[nodiscard]] Vec3i doubleCentre(SurfelId s) const {
-        return pointels[corners[s][0]] + pointels[corners[s][2]];
+        return 2 * pointels[corners[s][0]] + Vec3i::Ones() - Vec3i::Unit(axis[s]);
     }
     [[nodiscard]] Vec3i innerVoxel(SurfelId s) const;
     [[nodiscard]] Vec3i outerVoxel(SurfelId s) const;
