@@ -126,7 +126,7 @@ struct OutputOptions {
     OutputFormat format = OutputFormat::glb;
     Parts parts = Parts::exterior;
     Colors colors = Colors::voxel;
-    Shading shading = Shading::smooth;
+    Shading shading = Shading::crease;
     Compression compression = Compression::draco;
     std::optional<int> dracoPositionBits;  ///< automatic: a step of at most 0.01 voxel
     int dracoSpeed = 5;                    ///< 0 smallest .. 10 fastest
