@@ -52,16 +52,23 @@ inline VoxelGrid ballGrid(int side, double radius, const Vec3d& shift = Vec3d::Z
     });
 }
 
+/// How `sectorGrid` cuts a ball: half-planes through a tilted axis, at equal turns about it.
+struct SectorFrame {
+    Vec3d centre;
+    Vec3d axis = Vec3d(0.3, 0.2, 1).normalized();
+    Vec3d u = axis.cross(Vec3d(1, 0.1, 0)).normalized();  ///< turn 1/2, w is turn 3/4
+    Vec3d w = axis.cross(u);
+    explicit SectorFrame(int side)
+        : centre(Vec3d::Constant(side / 2.0) + Vec3d(0.17, -0.08, 0.21)) {}
+};
+
 /// A ball cut into `sectors` labels by half-planes through a tilted axis.
 inline VoxelGrid sectorGrid(int side, double radius, int sectors = 3) {
-    const Vec3d centre = Vec3d::Constant(side / 2.0) + Vec3d(0.17, -0.08, 0.21);
-    const Vec3d axis = Vec3d(0.3, 0.2, 1).normalized();
-    const Vec3d u = axis.cross(Vec3d(1, 0.1, 0)).normalized();
-    const Vec3d w = axis.cross(u);
+    const SectorFrame frame(side);
     return makeGrid(Vec3i::Constant(side), sectors, [&](const Vec3i& v) {
-        const Vec3d p = v.cast<double>() + Vec3d::Constant(0.5) - centre;
+        const Vec3d p = v.cast<double>() + Vec3d::Constant(0.5) - frame.centre;
         if (p.norm() > radius) return 0;
-        const double turn = std::atan2(p.dot(w), p.dot(u)) / (2 * M_PI) + 0.5;
+        const double turn = std::atan2(p.dot(frame.w), p.dot(frame.u)) / (2 * M_PI) + 0.5;
         return 1 + static_cast<int>(turn * sectors) % sectors;
     });
 }
