@@ -2,8 +2,11 @@
 
 #include "core/grid/scene.h"
 #include "core/samples/samples.h"
+#include "tests/support/accuracy.h"
+#include "tests/support/balls.h"
 #include "tests/support/grids.h"
 #include "tests/support/intersections.h"
+#include "tests/support/landscape.h"
 #include "tests/support/regularized.h"
 #include "tests/support/voxel_centres.h"
 
@@ -36,9 +39,21 @@ TEST_SUITE("core/pipeline") {
                 options.solve.tolerance = 1e-4;
                 const Regularized result = regularize(grid, options);
                 CHECK(countWrongCentres(grid, result.surface, result.positions) == 0);
+                CHECK(countOpenEdges(result.surface) == 0);
+                CHECK(countOrphans(result.surface) == 0);
                 if (!untangled) continue;
                 CHECK(invertedFaces(result.surface, result.positions).empty());
                 CHECK(countIntersections(result.surface, result.positions) == 0);
+            }
+    }
+
+    TEST_CASE("closed: every label, whatever touches whatever, split or not") {
+        for (const VoxelGrid& grid : {landscapeGrid(), speckledGrid(ballsGrid(32), 3),
+                                      randomGrid(3, Vec3i::Constant(16), 3)})
+            for (const bool split : {true, false}) {
+                const Regularized result = linkedSurface(grid, {.energy = {.split = split}});
+                CHECK(countOpenEdges(result.surface) == 0);
+                CHECK(countOrphans(result.surface) == 0);
             }
     }
 
