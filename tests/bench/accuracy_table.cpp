@@ -22,9 +22,10 @@ using namespace rivage::test;
 
 namespace {
 
-constexpr std::uint32_t kBoxes = 8;      // random rotations
-constexpr std::uint32_t kNoiseSeed = 7;  // of tilts and flipped voxels
-constexpr std::size_t kLeastPart = 40;   // surfels; smaller parts are specks of noise
+constexpr std::uint32_t kBoxes = 8;       // random rotations, listed one by one
+constexpr std::uint32_t kManyBoxes = 60;  // of which the mean and the worst are shown
+constexpr std::uint32_t kNoiseSeed = 7;   // of tilts and flipped voxels
+constexpr std::size_t kLeastPart = 40;    // surfels; smaller parts are specks of noise
 
 using Cells = std::vector<std::string>;
 
@@ -56,25 +57,36 @@ Errors errorsOf(const Shape& shape, const MethodOptions& options) {
     return {normalErrors(shape, result), positionErrors(shape, result)};
 }
 
+/// into = step(into, with), figure by figure.
+template <typename Step>
+void combine(Errors& into, const Errors& with, const Step& step) {
+    for (double NormalErrors::*figure :
+         {&NormalErrors::mean, &NormalErrors::percentile95, &NormalErrors::nearEdges})
+        into.normals.*figure = step(into.normals.*figure, with.normals.*figure);
+    for (double PositionErrors::*figure :
+         {&PositionErrors::rms, &PositionErrors::max, &PositionErrors::bias,
+          &PositionErrors::normalMean, &PositionErrors::normalRms})
+        into.positions.*figure = step(into.positions.*figure, with.positions.*figure);
+}
+
 Errors meanOf(const std::vector<Errors>& all) {
     Errors mean;
     const double weight = 1.0 / static_cast<double>(all.size());
-    for (const Errors& e : all) {
-        mean.normals.mean += weight * e.normals.mean;
-        mean.normals.percentile95 += weight * e.normals.percentile95;
-        mean.normals.nearEdges += weight * e.normals.nearEdges;
-        mean.positions.rms += weight * e.positions.rms;
-        mean.positions.max += weight * e.positions.max;
-        mean.positions.bias += weight * e.positions.bias;
-        mean.positions.normalMean += weight * e.positions.normalMean;
-        mean.positions.normalRms += weight * e.positions.normalRms;
-    }
+    for (const Errors& e : all)
+        combine(mean, e, [&](double sum, double value) { return sum + weight * value; });
     return mean;
 }
 
-std::vector<Errors> randomBoxErrors(const MethodOptions& options) {
+Errors worstOf(const std::vector<Errors>& all) {
+    Errors worst = all.front();
+    for (const Errors& e : all)
+        combine(worst, e, [](double a, double b) { return std::abs(a) > std::abs(b) ? a : b; });
+    return worst;
+}
+
+std::vector<Errors> randomBoxErrors(std::uint32_t count, const MethodOptions& options) {
     std::vector<Errors> all;
-    for (std::uint32_t seed = 1; seed <= kBoxes; ++seed)
+    for (std::uint32_t seed = 1; seed <= count; ++seed)
         all.push_back(errorsOf(randomBoxShape(seed), options));
     return all;
 }
@@ -95,6 +107,22 @@ std::vector<Limit> boxLimits(const Errors& e) {
     return limits;
 }
 
+/// Single boxes keep no limit: the worst have a face 2 to 10 degrees from the grid, where estimated
+/// normals are off, and with exact normals number 28 has an rms above 0.07 too.
+void printBoxes(MarkdownReport& report) {
+    std::vector<Errors> boxes = randomBoxErrors(kManyBoxes, {});
+    const Errors mean = meanOf(boxes);
+    const Errors worst = worstOf(boxes);
+    boxes.resize(kBoxes);
+    for (std::uint32_t i = 0; i < kBoxes; ++i)
+        printShape(report, randomBoxShape(i + 1).name, boxes[i]);
+    const Errors meanOfFew = meanOf(boxes);
+    printShape(report, "these, mean", meanOfFew, boxLimits(meanOfFew));
+    const std::string name = std::to_string(kManyBoxes) + " random boxes, ";
+    printShape(report, name + "mean", mean, boxLimits(mean));
+    printShape(report, name + "worst", worst);
+}
+
 void printShapes(MarkdownReport& report) {
     report.table("Shapes, default preset",
                  "Normals in degrees, positions in voxels. Normals: of surfels at least 1 voxel "
@@ -106,11 +134,7 @@ void printShapes(MarkdownReport& report) {
     printShape(report, "sectors", sectors, positionLimits(sectors.positions, 0.06, 1.6));
     const Errors sample = errorsOf(sampleBoxShape(), {});
     printShape(report, "sample box", sample, boxLimits(sample));
-    const std::vector<Errors> boxes = randomBoxErrors({});
-    for (std::uint32_t i = 0; i < kBoxes; ++i)
-        printShape(report, randomBoxShape(i + 1).name, boxes[i]);
-    const Errors mean = meanOf(boxes);
-    printShape(report, "random boxes, mean", mean, boxLimits(mean));
+    printBoxes(report);
     for (const Shape& shape : {cappedBallShape(), torusShape(), cubeShape(10)})
         printShape(report, shape.name, errorsOf(shape, {}));
 }
@@ -244,7 +268,7 @@ void printBalls(MarkdownReport& report, bool large) {
 }
 
 void printPresets(MarkdownReport& report) {
-    report.table("Presets", "The box is the mean over the random rotations.",
+    report.table("Presets", "The boxes: the mean over the random rotations listed above.",
                  joined(joined({"preset", "shape"}, kNormalColumns), kPositionColumns));
     struct Named {
         const char* name;
@@ -261,7 +285,7 @@ void printPresets(MarkdownReport& report) {
         };
         print("sphere", errorsOf(sphereShape(), options));
         print("sectors", errorsOf(sectorsShape(), options));
-        print("random boxes", meanOf(randomBoxErrors(options)));
+        print("random boxes", meanOf(randomBoxErrors(kBoxes, options)));
     }
 }
 
