@@ -34,8 +34,8 @@ struct Shape {
 [[nodiscard]] Shape torusShape();         ///< the sample
 [[nodiscard]] Shape cubeShape(int side);  ///< along the grid, which it fills
 
-/// `ballsGrid`, measured as vtk-figures does in surface nets' own terms: on the parts of the balls
-/// that face the background, at least 3 voxels outside the two other balls.
+/// `ballsGrid`, measured far from junctions: where a ball faces the background, at least 3 voxels
+/// outside the two others.
 [[nodiscard]] Shape ballsShape(int side);
 
 /// Voxels flipped by Kanungo's noise model, see `withLabelNoise` of grids.h.
