@@ -146,6 +146,11 @@ test('Ctrl-C cancels the job at a named server, which stays', async (t) => {
   assert.equal(jobs[0].state, 'running');
   run.child.kill('SIGINT');
   assert.equal((await run.ended).code, 7);
-  const after = await (await fetch(`${url}/v1/jobs/${jobs[0].id}`)).json();
-  assert.equal(after.state, 'canceled');
+  // The stage that runs looks for the request every few milliseconds.
+  let state = 'running';
+  for (let i = 0; i < 25 && state === 'running'; ++i) {
+    await sleep(10);
+    state = (await (await fetch(`${url}/v1/jobs/${jobs[0].id}`)).json()).state;
+  }
+  assert.equal(state, 'canceled');
 });

@@ -61,7 +61,7 @@ TEST_CASE("buildMesh: an empty grid has no part") {
 TEST_CASE("buildMesh: one voxel is a cube around its place in the scene") {
     VoxelGrid grid = voxels({1, 1, 1}, {{0, 0, 0}});
     grid.origin = {10, 20, 30};
-    const Mesh mesh = build(grid).mesh;
+    const Mesh mesh = build(grid, {.shading = Shading::smooth}).mesh;
     REQUIRE(mesh.parts.size() == 1);
     CHECK(mesh.parts[0].name == "label 1");
     CHECK(mesh.boxMin == Vec3d(10, 20, 30));
@@ -137,7 +137,7 @@ TEST_CASE("buildMesh: every face has exactly the colour of its inner voxel") {
     for (Material& material : grid.materials)
         if (material.source > 0) material.label = Label{1};
     grid.labels.resize(2);
-    const Built built = build(grid, {}, 0.2);
+    const Built built = build(grid, {.shading = Shading::smooth}, 0.2);
     REQUIRE(built.mesh.parts.size() == 1);
     const MeshPrimitive& primitive = built.mesh.parts[0].primitives.at(0);
     for (std::uint32_t face = 0; face < primitive.quads.size(); ++face) {
@@ -205,10 +205,11 @@ TEST_CASE("buildMesh: through clear glass the colour behind it is seen") {
 }
 
 TEST_CASE("buildMesh: where cubes touch at a corner or an edge, sheets do not mix") {
-    const Mesh corner = build(voxels({2, 2, 2}, {{0, 0, 0}, {1, 1, 1}})).mesh;
+    const OutputOptions smooth{.shading = Shading::smooth};
+    const Mesh corner = build(voxels({2, 2, 2}, {{0, 0, 0}, {1, 1, 1}}), smooth).mesh;
     CHECK(vertexCount(corner) == 16);
     // At an edge the sheets pair through the background, so the two ends stay one fan each.
-    const Mesh edge = build(voxels({2, 2, 1}, {{0, 0, 0}, {1, 1, 0}})).mesh;
+    const Mesh edge = build(voxels({2, 2, 1}, {{0, 0, 0}, {1, 1, 0}}), smooth).mesh;
     CHECK(vertexCount(edge) == 14);
 }
 
