@@ -1,5 +1,8 @@
 #pragma once
 
+#include <span>
+
+#include "core/normals/patch_walker.h"
 #include "core/surface/digital_surface.h"
 
 namespace rivage::core {
@@ -58,6 +61,21 @@ inline void DiscSums::add(const DigitalSurface& surface, SurfelId s, const Vec3d
     constexpr float kSteps = 256;
     const auto rounded = static_cast<float>(static_cast<int>(distance * kSteps + 0.5)) / kSteps;
     timesDistance_ += rounded * row;
+}
+
+/// The discs of growing radii around a surfel: calls `seen(scale, disc)`, which tells whether to go
+/// on.
+template <typename Seen>
+void walkDiscs(const DigitalSurface& surface, PatchWalker& walker, SurfelId s,
+               std::span<const double> radii, Seen&& seen) {
+    const Vec3d trivial = surface.trivialNormal(s).cast<double>();
+    DiscSums sums;
+    walker.walkScales(
+        s, radii,
+        [&](SurfelId g, const Vec3d& offset, double distance) {
+            sums.add(surface, g, offset, distance);
+        },
+        [&](std::size_t scale) { return seen(scale, sums.disc(surface, radii[scale], trivial)); });
 }
 
 }  // namespace rivage::core

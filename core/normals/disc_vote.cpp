@@ -28,17 +28,10 @@ DiscVoting::DiscVoting(const DigitalSurface& surface, double largest)
 void DiscVoting::choose(SurfelId s, PatchWalker& walker) {
     const Vec3d trivial = surface_.trivialNormal(s).cast<double>();
     best_[s] = {trivial, radii_.front(), 1};
-    DiscSums sums;
-    walker.walkScales(
-        s, radii_,
-        [&](SurfelId g, const Vec3d& offset, double distance) {
-            sums.add(surface_, g, offset, distance);
-        },
-        [&](std::size_t scale) {
-            const Disc disc = sums.disc(surface_, radii_[scale], trivial);
-            consider(s, radii_[scale], disc);
-            return disc.flatness < kNeverFlat;
-        });
+    walkDiscs(surface_, walker, s, radii_, [&](std::size_t scale, const Disc& disc) {
+        consider(s, radii_[scale], disc);
+        return disc.flatness < kNeverFlat;
+    });
 }
 
 DiscVote DiscVoting::vote(SurfelId s, PatchWalker& walker) const {

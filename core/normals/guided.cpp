@@ -20,13 +20,11 @@ Result<NormalField> guidedNormals(const DigitalSurface& surface, const SurfelLin
     NormalField discs(surface.surfelCount());
     IdVector<SurfelId, double> excess(surface.surfelCount());
     const bool measured = forEachSurfel(surface, links, run, [&](SurfelId s, PatchWalker& walker) {
-        DiscSums sums;
-        walker.walk(s, radius, [&](SurfelId g, const Vec3d& offset, double distance) {
-            sums.add(surface, g, offset, distance);
+        walkDiscs(surface, walker, s, std::span(&radius, 1), [&](std::size_t, const Disc& disc) {
+            discs[s] = disc.normal;
+            excess[s] = std::max(0.0, (disc.coherent() ? disc.flatness : kIncoherent) - kFlat);
+            return true;
         });
-        const Disc disc = sums.disc(surface, radius, surface.trivialNormal(s).cast<double>());
-        discs[s] = disc.normal;
-        excess[s] = std::max(0.0, (disc.coherent() ? disc.flatness : kIncoherent) - kFlat);
     });
     if (!measured) return fail(run.stopError());
 

@@ -22,18 +22,11 @@ Vec3d narrowNormal(const DigitalSurface& surface, PatchWalker& walker, SurfelId 
     constexpr std::array kRadii{1.5, 2.0, 3.0, 4.0};
     const Vec3d trivial = surface.trivialNormal(s).cast<double>();
     Vec3d normal = trivial;
-    DiscSums sums;
-    walker.walkScales(
-        s, kRadii,
-        [&](SurfelId g, const Vec3d& offset, double distance) {
-            sums.add(surface, g, offset, distance);
-        },
-        [&](std::size_t scale) {
-            if (kRadii[scale] >= below) return false;
-            const Disc disc = sums.disc(surface, kRadii[scale], trivial);
-            if (speaksFor(disc, trivial)) normal = disc.normal;
-            return true;
-        });
+    walkDiscs(surface, walker, s, kRadii, [&](std::size_t scale, const Disc& disc) {
+        if (kRadii[scale] >= below) return false;
+        if (speaksFor(disc, trivial)) normal = disc.normal;
+        return true;
+    });
     return normal;
 }
 
