@@ -165,12 +165,13 @@ void measureDisplacement(const DigitalSurface& surface, const PointelVectors& po
     report.displacementRms = std::sqrt(squares / static_cast<double>(positions.size()));
 }
 
-/// What the automatic normals chose, into the interfaces of the report.
-void reportChoices(const NormalOptions& options, const std::vector<InterfaceNormals>& choices,
-                   SurfaceReport& report) {
-    if (options.method != NormalMethod::automatic) return;
-    for (std::size_t i = 0; i < choices.size(); ++i)
-        report.interfaces[i].normals = {choices[i].noise, choices[i].sharp, choices[i].radius};
+/// What the estimators found, into the report.
+void reportChoices(const NormalEstimate& estimate, SurfaceReport& report) {
+    for (std::size_t i = 0; i < estimate.interfaces.size(); ++i) {
+        const InterfaceNormals& choice = estimate.interfaces[i];
+        report.interfaces[i].normals = {choice.noise, choice.sharp, choice.radius};
+    }
+    report.featureLinels = estimate.featureLinels;
 }
 
 /// Normals, energy, minimizer and untangling: the positions of the pointels.
@@ -182,7 +183,7 @@ Result<PointelVectors> regularize(const VoxelGrid& grid, const DigitalSurface& s
     run.report(Stage::normals, 0);
     auto estimate = estimateNormalsAndChoices(grid, surface, links, options.normals, run);
     if (!estimate) return fail(estimate.error());
-    reportChoices(options.normals, estimate->interfaces, report.surface);
+    reportChoices(*estimate, report.surface);
 
     run.report(Stage::solve, 0);
     const Energy energy(surface, std::move(estimate->normals), *std::move(weights), options.energy,

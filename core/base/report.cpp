@@ -27,13 +27,15 @@ Json toJson(const SurfaceReport& surface) {
                                             {"sharp", patch.normals->sharp},
                                             {"radius", patch.normals->radius}};
     }
-    return {{"pointels", surface.pointels},
-            {"surfels", surface.surfels},
-            {"linels", surface.linels},
-            {"junction_linels", surface.junctionLinels},
-            {"junction_pointels", surface.junctionPointels},
-            {"split_pointels", surface.splitPointels},
-            {"interfaces", std::move(interfaces)}};
+    Json json = {{"pointels", surface.pointels},
+                 {"surfels", surface.surfels},
+                 {"linels", surface.linels},
+                 {"junction_linels", surface.junctionLinels},
+                 {"junction_pointels", surface.junctionPointels},
+                 {"split_pointels", surface.splitPointels}};
+    if (surface.featureLinels) json["feature_linels"] = *surface.featureLinels;
+    json["interfaces"] = std::move(interfaces);
+    return json;
 }
 
 Json toJson(const EnergyReport& energy) {

@@ -45,6 +45,7 @@ struct SurfaceReport {
         std::optional<NormalChoice> normals;
     };
     std::vector<InterfaceInfo> interfaces;
+    std::optional<std::uint64_t> featureLinels;  ///< found by `normals=piecewise-smooth`
 };
 
 /// The energy by term, METHOD.md section 2.2.

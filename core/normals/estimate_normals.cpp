@@ -29,6 +29,21 @@ Result<NormalField> convolvedNormals(const DigitalSurface& surface, const Surfel
     });
 }
 
+Result<PiecewiseSmoothField> piecewiseSmooth(const DigitalSurface& surface,
+                                             const SurfelLinks& links, const NormalOptions& options,
+                                             const RunContext& run) {
+    constexpr double kInputRadius = 3;
+    const auto input = convolvedNormals(surface, links, options.radius.value_or(kInputRadius), run);
+    if (!input) return fail(input.error());
+    return piecewiseSmoothNormals(surface, links, *input, options.piecewiseSmooth, run);
+}
+
+std::uint64_t countFeatures(const IdVector<SurfelId, std::uint8_t>& features) {
+    std::uint64_t sides = 0;
+    for (const std::uint8_t edges : features) sides += __builtin_popcount(edges);
+    return sides / 2;  // both surfels at a feature list it
+}
+
 NormalField trivialNormals(const DigitalSurface& surface) {
     NormalField normals(surface.surfelCount());
     for (std::size_t i = 0; i < normals.size(); ++i) {
@@ -60,9 +75,9 @@ Result<NormalField> estimateNormals(const VoxelGrid& grid, const DigitalSurface&
             });
         }
         case NormalMethod::piecewiseSmooth: {
-            const auto input = convolvedNormals(surface, links, radius(3), run);
-            if (!input) return input;
-            return piecewiseSmoothNormals(surface, links, *input, options.piecewiseSmooth, run);
+            auto field = piecewiseSmooth(surface, links, options, run);
+            if (!field) return fail(field.error());
+            return std::move(field->normals);
         }
         case NormalMethod::robust:
             return robustNormals(
@@ -79,9 +94,14 @@ Result<NormalEstimate> estimateNormalsAndChoices(const VoxelGrid& grid,
                                                  const RunContext& run) {
     if (options.method == NormalMethod::automatic)
         return autoNormals(surface, links, options.radius, run);
+    if (options.method == NormalMethod::piecewiseSmooth) {
+        auto field = piecewiseSmooth(surface, links, options, run);
+        if (!field) return fail(field.error());
+        return NormalEstimate{std::move(field->normals), {}, countFeatures(field->features)};
+    }
     auto normals = estimateNormals(grid, surface, links, options, run);
     if (!normals) return fail(normals.error());
-    return NormalEstimate{*std::move(normals), {}};
+    return NormalEstimate{*std::move(normals), {}, {}};
 }
 
 }  // namespace rivage::core

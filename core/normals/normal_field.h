@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/base/options.h"
@@ -20,7 +22,9 @@ struct InterfaceNormals {
 
 struct NormalEstimate {
     NormalField normals;
-    std::vector<InterfaceNormals> interfaces;  ///< one each; empty for other methods
+    std::vector<InterfaceNormals> interfaces;  ///< one each; only `NormalMethod::automatic`
+    /// Linels where the normals jump; only `NormalMethod::piecewiseSmooth`.
+    std::optional<std::uint64_t> featureLinels;
 };
 
 /// Estimates the normals of all interfaces, each from its own surfels.

@@ -108,6 +108,11 @@ public:
     }
 
     [[nodiscard]] const std::vector<Vec3d>& normals() const { return u_; }
+    [[nodiscard]] bool isFeature(std::size_t f, std::size_t k) const {
+        constexpr double kHalf = 0.5;
+        return linked(f, k) != kNone<SurfelId> && v_[groups_.of[4 * f + k]] < kHalf &&
+               v_[groups_.of[4 * f + ((k + 1) & 3U)]] < kHalf;
+    }
 
 private:
     template <typename Body>
@@ -208,20 +213,24 @@ private:
 
 }  // namespace
 
-Result<NormalField> piecewiseSmoothNormals(const DigitalSurface& surface, const SurfelLinks& links,
-                                           const NormalField& input,
-                                           const PiecewiseSmoothOptions& options,
-                                           const RunContext& run) {
+Result<PiecewiseSmoothField> piecewiseSmoothNormals(const DigitalSurface& surface,
+                                                    const SurfelLinks& links,
+                                                    const NormalField& input,
+                                                    const PiecewiseSmoothOptions& options,
+                                                    const RunContext& run) {
     AmbrosioTortorelli functional(links, input, groupCorners(surface, links), options, run);
     if (!functional.minimize()) return fail(run.stopError());
-    NormalField normals(input.size());
+    PiecewiseSmoothField field{NormalField(input.size()),
+                               IdVector<SurfelId, std::uint8_t>(input.size())};
     for (std::size_t f = 0; f < input.size(); ++f) {
         const SurfelId s{static_cast<std::uint32_t>(f)};
         const Vec3d& u = functional.normals()[f];
         constexpr double kCancelled = 1e-9;
-        normals[s] = u.norm() > kCancelled ? Vec3d(u.normalized()) : input[s];
+        field.normals[s] = u.norm() > kCancelled ? Vec3d(u.normalized()) : input[s];
+        for (std::size_t k = 0; k < 4; ++k)
+            if (functional.isFeature(f, k)) field.features[s] |= static_cast<std::uint8_t>(1U << k);
     }
-    return normals;
+    return field;
 }
 
 }  // namespace rivage::core

@@ -4,6 +4,13 @@
 
 namespace rivage::core {
 
+struct PiecewiseSmoothField {
+    NormalField normals;
+    /// Features: bit k of a surfel is set if v is below 1/2 at both ends of its edge k and a linked
+    /// surfel lies across, whose bit is set too.
+    IdVector<SurfelId, std::uint8_t> features;
+};
+
 /// Smooths a normal field but for a set of features that it finds itself: the minimum (u, v) of
 /// the Ambrosio-Tortorelli functional
 ///
@@ -14,13 +21,14 @@ namespace rivage::core {
 /// surfels are neighbours, so junctions are discontinuities at no cost.
 ///
 /// @param input  the field g, unit vectors
-/// @return  u, normalized
+/// @return  u, normalized, and the features
 /// @errors  cancelled
 /// @cost    a few thousand passes over the surfels, 200 bytes a surfel
 /// @source  [CFGL16]; its discretization u2-v0
-Result<NormalField> piecewiseSmoothNormals(const DigitalSurface& surface, const SurfelLinks& links,
-                                           const NormalField& input,
-                                           const PiecewiseSmoothOptions& options,
-                                           const RunContext& run);
+Result<PiecewiseSmoothField> piecewiseSmoothNormals(const DigitalSurface& surface,
+                                                    const SurfelLinks& links,
+                                                    const NormalField& input,
+                                                    const PiecewiseSmoothOptions& options,
+                                                    const RunContext& run);
 
 }  // namespace rivage::core

@@ -130,6 +130,20 @@ TEST_SUITE("core/normals") {
         CHECK(error(NormalMethod::automatic) < 1);
     }
 
+    TEST_CASE("piecewise smooth: the features of a cube are its edges, a ball has none") {
+        const auto features = [](const VoxelGrid& grid) {
+            const DigitalSurface surface = *extractSurface(grid, {});
+            const auto estimate =
+                estimateNormalsAndChoices(grid, surface, *linkSurfels(surface, {}),
+                                          {.method = NormalMethod::piecewiseSmooth}, {});
+            return *estimate->featureLinels;
+        };
+        const auto cube = features(makeGrid({16, 16, 16}, 1, [](const Vec3i&) { return 1; }));
+        CHECK(cube >= 12 * 12);
+        CHECK(cube <= 12 * 16 * 2);
+        CHECK(features(ballGrid(40, 16.3)) == 0);
+    }
+
     TEST_CASE("noise: clean shapes are clean, flipped boundary voxels are not") {
         const auto levels = [](const VoxelGrid& grid) {
             const DigitalSurface surface = *extractSurface(grid, {});
