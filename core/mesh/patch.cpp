@@ -1,9 +1,9 @@
 #include "core/mesh/patch.h"
 
 #include <cassert>
-#include <utility>
 
 #include "core/base/parallel.h"
+#include "core/base/union_find.h"
 
 namespace rivage::core {
 namespace {
@@ -19,27 +19,6 @@ std::uint32_t edgeBetween(const DigitalSurface& surface, SurfelId s, PointelId a
     assert(false && "linked surfels share a linel");
     return kNoEdge;
 }
-
-class UnionFind {
-public:
-    explicit UnionFind(std::size_t size) : parent_(size) {
-        for (std::size_t i = 0; i < size; ++i) parent_[i] = static_cast<std::uint32_t>(i);
-    }
-    std::uint32_t find(std::uint32_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    // The smaller root wins, so the root of a set is its first element.
-    void join(std::uint32_t a, std::uint32_t b) {
-        a = find(a);
-        b = find(b);
-        if (a > b) std::swap(a, b);
-        parent_[b] = a;
-    }
-
-private:
-    std::vector<std::uint32_t> parent_;
-};
 
 }  // namespace
 

@@ -2,6 +2,8 @@
 
 #include <numeric>
 
+#include "core/base/union_find.h"
+
 namespace rivage::core {
 namespace {
 
@@ -13,33 +15,24 @@ std::uint32_t cornerOf(const DigitalSurface& surface, SurfelId s, PointelId p) {
 
 }  // namespace
 
-CornerGroups groupCorners(const DigitalSurface& surface, const SurfelLinks& links) {
-    CornerGroups groups;
-    std::vector<std::uint32_t>& root = groups.of;
-    root.resize(4 * surface.surfelCount());
-    std::iota(root.begin(), root.end(), 0U);
-    const auto find = [&](std::uint32_t i) {
-        while (root[i] != i) i = root[i] = root[root[i]];
-        return i;
-    };
+InterfacePointels groupCorners(const DigitalSurface& surface, const SurfelLinks& links) {
+    UnionFind sets(4 * surface.surfelCount());
     for (std::uint32_t f = 0; f < surface.surfelCount(); ++f)
         for (std::uint32_t k = 0; k < 4; ++k) {
             const SurfelId g = links[SurfelId{f}][k];
             if (g == kNone<SurfelId> || index(g) < f) continue;
             for (const std::uint32_t end : {k, (k + 1) & 3U}) {
                 const PointelId p = surface.corners[SurfelId{f}][end];
-                const std::uint32_t a = find(4 * f + end);
-                const std::uint32_t b = find(cornerOf(surface, g, p));
-                root[std::max(a, b)] = std::min(a, b);
+                sets.join(4 * f + end, cornerOf(surface, g, p));
             }
         }
     // The root of a group is its first corner, so groups are numbered in the order of the surfels.
-    std::vector<std::uint32_t> number(root.size());
-    for (std::uint32_t i = 0; i < root.size(); ++i) {
-        const std::uint32_t first = find(i);
-        number[i] = first == i ? static_cast<std::uint32_t>(groups.count++) : number[first];
+    InterfacePointels groups;
+    groups.of.resize(4 * surface.surfelCount());
+    for (std::uint32_t c = 0; c < groups.of.size(); ++c) {
+        const std::uint32_t root = sets.find(c);
+        groups.of[c] = root == c ? static_cast<std::uint32_t>(groups.count++) : groups.of[root];
     }
-    root = std::move(number);
     groups.start.assign(groups.count + 1, 0);
     for (const std::uint32_t group : groups.of) ++groups.start[group + 1];
     std::partial_sum(groups.start.begin(), groups.start.end(), groups.start.begin());

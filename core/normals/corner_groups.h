@@ -10,7 +10,7 @@ namespace rivage::core {
 
 /// The pointels of the interfaces taken apart: corners of surfels belong to one group if a chain of
 /// links around their common pointel joins them.
-struct CornerGroups {
+struct InterfacePointels {
     std::size_t count = 0;
     std::vector<std::uint32_t> of;       ///< group of corner k of surfel f at 4 f + k
     std::vector<std::uint32_t> start;    ///< members[start[i] .. start[i + 1]) are group i's
@@ -18,6 +18,6 @@ struct CornerGroups {
 };
 
 /// @cost O(surfels), 36 bytes a surfel
-CornerGroups groupCorners(const DigitalSurface& surface, const SurfelLinks& links);
+InterfacePointels groupCorners(const DigitalSurface& surface, const SurfelLinks& links);
 
 }  // namespace rivage::core

@@ -33,8 +33,8 @@ public:
                             const Vec3d& fallback) const;
 
 private:
-    // weight, trivial normals (3), offsets (3), 0, squares of offsets (3), 0, xy xz yz, 0: float and
-    // in fours, so that it adds up fast.
+    // weight, trivial normals (3), offsets (3), 0, squares of offsets (3), 0, xy xz yz, 0: float
+    // and in fours, so that it adds up fast.
     using Row = Eigen::Array<float, 16, 1>;
     Row plain_ = Row::Zero();
     Row timesDistance_ = Row::Zero();

@@ -29,19 +29,26 @@ Result<NormalField> convolvedNormals(const DigitalSurface& surface, const Surfel
     });
 }
 
-Result<PiecewiseSmoothField> piecewiseSmooth(const DigitalSurface& surface,
-                                             const SurfelLinks& links, const NormalOptions& options,
-                                             const RunContext& run) {
-    constexpr double kInputRadius = 3;
-    const auto input = convolvedNormals(surface, links, options.radius.value_or(kInputRadius), run);
-    if (!input) return fail(input.error());
-    return piecewiseSmoothNormals(surface, links, *input, options.piecewiseSmooth, run);
-}
-
 std::uint64_t countFeatures(const IdVector<SurfelId, std::uint8_t>& features) {
     std::uint64_t sides = 0;
     for (const std::uint8_t edges : features) sides += __builtin_popcount(edges);
     return sides / 2;  // both surfels at a feature list it
+}
+
+Result<NormalEstimate> piecewiseSmooth(const DigitalSurface& surface, const SurfelLinks& links,
+                                       double radius, const PiecewiseSmoothOptions& options,
+                                       const RunContext& run) {
+    const auto input = convolvedNormals(surface, links, radius, run);
+    if (!input) return fail(input.error());
+    auto field = piecewiseSmoothNormals(surface, links, *input, options, run);
+    if (!field) return fail(field.error());
+    return NormalEstimate{std::move(field->normals), {}, countFeatures(field->features)};
+}
+
+/// The estimate of a method that tells nothing beside the normals.
+Result<NormalEstimate> alone(Result<NormalField> normals) {
+    if (!normals) return fail(normals.error());
+    return NormalEstimate{*std::move(normals), {}, {}};
 }
 
 NormalField trivialNormals(const DigitalSurface& surface) {
@@ -55,53 +62,40 @@ NormalField trivialNormals(const DigitalSurface& surface) {
 
 }  // namespace
 
-Result<NormalField> estimateNormals(const VoxelGrid& grid, const DigitalSurface& surface,
-                                    const SurfelLinks& links, const NormalOptions& options,
-                                    const RunContext& run) {
-    const auto radius = [&](double usual) { return options.radius.value_or(usual); };
-    switch (options.method) {
-        case NormalMethod::automatic: {
-            auto estimate = autoNormals(surface, links, options.radius, run);
-            if (!estimate) return fail(estimate.error());
-            return std::move(estimate->normals);
-        }
-        case NormalMethod::guided: return guidedNormals(surface, links, radius(4), run);
-        case NormalMethod::discVote: return discVoteNormals(surface, links, radius(6), run);
-        case NormalMethod::convolved: return convolvedNormals(surface, links, radius(4), run);
-        case NormalMethod::integralInvariant: {
-            const IntegralInvariant invariant(grid, surface, radius(3));
-            return estimateEach(surface, links, run, [&](SurfelId s, PatchWalker& walker) {
-                return invariant.normal(s, walker);
-            });
-        }
-        case NormalMethod::piecewiseSmooth: {
-            auto field = piecewiseSmooth(surface, links, options, run);
-            if (!field) return fail(field.error());
-            return std::move(field->normals);
-        }
-        case NormalMethod::robust:
-            return robustNormals(
-                surface, links, [](SurfelId) { return true; }, run);
-        case NormalMethod::trivial: return trivialNormals(surface);
-    }
-    return fail(ErrorCode::internal, "unknown normal estimator");
-}
-
 Result<NormalEstimate> estimateNormalsAndChoices(const VoxelGrid& grid,
                                                  const DigitalSurface& surface,
                                                  const SurfelLinks& links,
                                                  const NormalOptions& options,
                                                  const RunContext& run) {
-    if (options.method == NormalMethod::automatic)
-        return autoNormals(surface, links, options.radius, run);
-    if (options.method == NormalMethod::piecewiseSmooth) {
-        auto field = piecewiseSmooth(surface, links, options, run);
-        if (!field) return fail(field.error());
-        return NormalEstimate{std::move(field->normals), {}, countFeatures(field->features)};
+    const auto radius = [&](double usual) { return options.radius.value_or(usual); };
+    switch (options.method) {
+        case NormalMethod::automatic: return autoNormals(surface, links, options.radius, run);
+        case NormalMethod::guided: return alone(guidedNormals(surface, links, radius(4), run));
+        case NormalMethod::discVote: return alone(discVoteNormals(surface, links, radius(6), run));
+        case NormalMethod::convolved:
+            return alone(convolvedNormals(surface, links, radius(4), run));
+        case NormalMethod::integralInvariant: {
+            const IntegralInvariant invariant(grid, surface, radius(3));
+            return alone(estimateEach(surface, links, run, [&](SurfelId s, PatchWalker& walker) {
+                return invariant.normal(s, walker);
+            }));
+        }
+        case NormalMethod::piecewiseSmooth:
+            return piecewiseSmooth(surface, links, radius(3), options.piecewiseSmooth, run);
+        case NormalMethod::robust:
+            return alone(robustNormals(
+                surface, links, [](SurfelId) { return true; }, run));
+        case NormalMethod::trivial: return alone(trivialNormals(surface));
     }
-    auto normals = estimateNormals(grid, surface, links, options, run);
-    if (!normals) return fail(normals.error());
-    return NormalEstimate{*std::move(normals), {}, {}};
+    return fail(ErrorCode::internal, "unknown normal estimator");
+}
+
+Result<NormalField> estimateNormals(const VoxelGrid& grid, const DigitalSurface& surface,
+                                    const SurfelLinks& links, const NormalOptions& options,
+                                    const RunContext& run) {
+    auto estimate = estimateNormalsAndChoices(grid, surface, links, options, run);
+    if (!estimate) return fail(estimate.error());
+    return std::move(estimate->normals);
 }
 
 }  // namespace rivage::core

@@ -80,7 +80,7 @@ private:
 
 class AmbrosioTortorelli {
 public:
-    AmbrosioTortorelli(const SurfelLinks& links, const NormalField& input, CornerGroups groups,
+    AmbrosioTortorelli(const SurfelLinks& links, const NormalField& input, InterfacePointels groups,
                        const PiecewiseSmoothOptions& options, const RunContext& run)
         : links_(links),
           groups_(std::move(groups)),
@@ -199,7 +199,7 @@ private:
     }
 
     const SurfelLinks& links_;
-    CornerGroups groups_;
+    InterfacePointels groups_;
     PiecewiseSmoothOptions options_;
     const RunContext& run_;
     std::vector<Vec3d> u_;

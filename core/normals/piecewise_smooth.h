@@ -14,7 +14,7 @@ struct PiecewiseSmoothField {
 /// Smooths a normal field but for a set of features that it finds itself: the minimum (u, v) of
 /// the Ambrosio-Tortorelli functional
 ///
-///     alpha |u - g|^2 + v^2 |grad u|^2 + lambda epsilon |grad v|^2 + (lambda / 4 epsilon) (1 - v)^2
+///     alpha |u - g|^2 + v^2 |grad u|^2 + lambda epsilon |grad v|^2 + lambda (1 - v)^2 / 4 epsilon
 ///
 /// with u on surfels and v on the pointels of each interface, alternately for u and v, for epsilon
 /// 2, 1, 1/2 and 1/4. v is near 0 along features. Each interface has its own v, and only linked

@@ -10,14 +10,15 @@
 namespace rivage::core {
 namespace {
 
-/// Whether a disc speaks for the surfel at its centre: on a smooth surface no surfel faces away from
-/// the normal, but next to the root of a thin part most of the disc may lie on the thick one.
+/// Whether a disc speaks for the surfel at its centre: on a smooth surface no surfel faces away
+/// from the normal, but next to the root of a thin part most of the disc may lie on the thick one.
 bool speaksFor(const Disc& disc, const Vec3d& trivial) {
     constexpr double kAway = -0.05;  // below 0 for the risers of nearly flat slopes
     return disc.coherent() && disc.normal.dot(trivial) > kAway;
 }
 
-/// The normal of the largest disc that speaks for the surfel below a radius, the trivial one if there is none.
+/// The normal of the largest disc below a radius that speaks for the surfel, the trivial one if
+/// there is none.
 Vec3d narrowNormal(const DigitalSurface& surface, PatchWalker& walker, SurfelId s, double below) {
     constexpr std::array kRadii{1.5, 2.0, 3.0, 4.0};
     const Vec3d trivial = surface.trivialNormal(s).cast<double>();
