@@ -62,7 +62,8 @@ Result<Input> readGrid(std::span<const std::byte> bytes, const InputOptions& opt
 }
 
 /// Peak memory of a conversion, from its counts: the surface, the energy, the solver with the most
-/// vectors, the mesh and the artifact. Measured peaks are 450 (noise) to 1060 bytes a surfel (voxel art).
+/// vectors, the mesh and the artifact. Measured peaks are 450 (noise) to 1060 bytes a surfel (voxel
+/// art).
 std::uint64_t predictMemory(const VoxelGrid& grid, const SurfaceSize& size) {
     constexpr std::uint64_t kBytesPerSurfel = 1200;
     constexpr std::uint64_t kFixed = 16ULL << 20;

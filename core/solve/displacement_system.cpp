@@ -24,8 +24,6 @@ PointelVectors DisplacementSystem::positions(const PointelVectors& d) const {
     return x;
 }
 
-double DisplacementSystem::norm(const PointelVectors& a) const { return std::sqrt(dot(a, a)); }
-
 Convergence::Convergence(double initial, const SolveOptions& options, const RunContext& run)
     : initial_(initial), options_(options), run_(run) {}
 

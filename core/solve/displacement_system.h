@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 
 #include "core/base/parallel.h"
@@ -46,10 +45,6 @@ public:
             },
             kBlock);
     }
-    [[nodiscard]] double dot(const PointelVectors& a, const PointelVectors& b) const {
-        return sum(0.0, [&](PointelId i) { return a[i].dot(b[i]); });
-    }
-    [[nodiscard]] double norm(const PointelVectors& a) const;
 
 private:
     static constexpr std::size_t kBlock = 4096;

@@ -5,9 +5,9 @@
 namespace rivage::core {
 
 /// Minimizes e^T H e / 2 + g^T e in a box, lo <= e <= hi, in float: projected gradients with
-/// momentum find most of the sides that the minimizer touches, then modified proportioning with reduced
-/// gradient projections (MPRGP), a conjugate gradient method that changes its active set as it
-/// goes.
+/// momentum find most of the sides that the minimizer touches, then modified proportioning with
+/// reduced gradient projections (MPRGP), a conjugate gradient method that changes its active set as
+/// it goes.
 ///
 /// The inner loop of iterative refinement: the caller measures g in double at some point, and gives
 /// the box as seen from there. A coordinate with lo = hi = 0 is held.
