@@ -8,6 +8,8 @@ find_package(spdlog REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(OpenSSL REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(SQLite3 3.35 REQUIRED)
+find_package(prometheus-cpp REQUIRED COMPONENTS core)
 find_package(tl-expected REQUIRED)
 
 # Debian's draco package exports no target.
@@ -20,7 +22,11 @@ if(NOT TARGET draco::draco)
     add_library(draco::draco ALIAS rivage_draco)
 endif()
 
-find_package(httplib 0.53.1 QUIET)
+# Debian's zstd package has no CMake file.
+find_path(RIVAGE_ZSTD_INCLUDE zstd.h REQUIRED)
+find_library(RIVAGE_ZSTD_LIBRARY zstd REQUIRED)
+
+find_package(httplib 0.53.1 QUIET COMPONENTS ZLIB Zstd)
 if(NOT httplib_FOUND)
     if(NOT EXISTS ${RIVAGE_HTTPLIB_DIR}/httplib.cpp)
         message(FATAL_ERROR "cpp-httplib 0.53.1 not found: run ./dev setup, or set RIVAGE_HTTPLIB_DIR")
@@ -28,8 +34,11 @@ if(NOT httplib_FOUND)
     add_library(rivage_httplib STATIC ${RIVAGE_HTTPLIB_DIR}/httplib.cpp)
     target_compile_features(rivage_httplib PUBLIC cxx_std_20)
     target_include_directories(rivage_httplib SYSTEM PUBLIC ${RIVAGE_HTTPLIB_DIR})
-    target_compile_definitions(rivage_httplib PUBLIC CPPHTTPLIB_OPENSSL_SUPPORT CPPHTTPLIB_ZLIB_SUPPORT)
-    target_link_libraries(rivage_httplib PUBLIC OpenSSL::SSL OpenSSL::Crypto ZLIB::ZLIB Threads::Threads)
+    target_compile_definitions(rivage_httplib PUBLIC
+        CPPHTTPLIB_OPENSSL_SUPPORT CPPHTTPLIB_ZLIB_SUPPORT CPPHTTPLIB_ZSTD_SUPPORT)
+    target_include_directories(rivage_httplib SYSTEM PUBLIC ${RIVAGE_ZSTD_INCLUDE})
+    target_link_libraries(rivage_httplib PUBLIC
+        OpenSSL::SSL OpenSSL::Crypto ZLIB::ZLIB ${RIVAGE_ZSTD_LIBRARY} Threads::Threads)
     set_target_properties(rivage_httplib PROPERTIES CXX_CLANG_TIDY "")  # not ours
     add_library(httplib::httplib ALIAS rivage_httplib)
 endif()

@@ -14,7 +14,9 @@ constexpr std::array kCodes{
     ErrorCode::notFound,       ErrorCode::methodNotAllowed,  ErrorCode::expired,
     ErrorCode::busy,           ErrorCode::draining,          ErrorCode::cancelled,
     ErrorCode::timedOut,       ErrorCode::notConverged,      ErrorCode::outputTooLarge,
-    ErrorCode::internal,
+    ErrorCode::unauthorized,   ErrorCode::forbidden,         ErrorCode::quotaExceeded,
+    ErrorCode::digestMismatch, ErrorCode::keyReused,         ErrorCode::keyInProgress,
+    ErrorCode::poison,         ErrorCode::storageFull,       ErrorCode::internal,
 };
 
 /// Statuses for which no error code exists, because no code of ours is reached.
@@ -58,6 +60,21 @@ ProblemType problemType(ErrorCode code) {
             return {422, "not-converged", "The solver did not reach its tolerance"};
         case ErrorCode::outputTooLarge:
             return {422, "output-too-large", "The result does not fit its format"};
+        case ErrorCode::unauthorized: return {401, "unauthorized", "A valid API key is needed"};
+        case ErrorCode::forbidden: return {403, "forbidden", "The API key may not do this"};
+        case ErrorCode::quotaExceeded:
+            return {429, "quota-exceeded", "The quota of the API key is used up"};
+        case ErrorCode::digestMismatch:
+            return {400, "digest-mismatch", "The body does not have the digest that came with it"};
+        case ErrorCode::keyReused:
+            return {422, "idempotency-mismatch", "The idempotency key belongs to another request"};
+        case ErrorCode::keyInProgress:
+            return {409, "idempotency-in-progress",
+                    "The request with this idempotency key is still being received"};
+        case ErrorCode::poison:
+            return {422, "poison", "The grid is in quarantine: it was running at two crashes"};
+        case ErrorCode::storageFull:
+            return {507, "storage-full", "The server has no room to keep jobs and results"};
         case ErrorCode::internal: return {500, "internal", "The server failed"};
     }
     return {500, "internal", "The server failed"};

@@ -30,6 +30,14 @@ enum class ErrorCode : std::uint8_t {
     timedOut,        ///< the deadline passed
     notConverged,    ///< the solver stopped above its tolerance
     outputTooLarge,  ///< the artifact does not fit its format
+    unauthorized,    ///< no key, or one that is not known
+    forbidden,       ///< the key is known, but may not do this
+    quotaExceeded,   ///< this key has asked for too much; later it may again
+    digestMismatch,  ///< the bytes are not those that their sender digested
+    keyReused,       ///< an idempotency key came back with another request
+    keyInProgress,   ///< the request with this idempotency key is still being received
+    poison,          ///< this input was running at two crashes
+    storageFull,     ///< the disk of jobs and results has no room
     internal,
 };
 

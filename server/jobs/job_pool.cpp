@@ -25,7 +25,7 @@ JobPool::JobPool(const PoolSettings& settings, Engine engine, Observer observer)
       engine_(std::move(engine)),
       observer_(std::move(observer)),
       queue_(std::make_unique<LocalJobQueue>()),
-      store_(std::make_unique<MemoryJobStore>(settings.store)) {
+      index_(std::make_unique<JobIndex>(settings.store)) {
     for (std::size_t i = 0; i < settings_.workers; ++i) threads_.emplace_back([this] { work(); });
     threads_.emplace_back([this] { tidy(); });
 }
@@ -77,18 +77,18 @@ core::Result<std::shared_ptr<Job>> JobPool::submit(Ticket ticket, JobRequest req
     const auto deadline = Clock::now() + std::chrono::milliseconds(asked);
     auto job = std::make_shared<Job>(uuids_.next(std::chrono::system_clock::now()),
                                      std::move(request), deadline);
-    if (job->kind() == JobKind::convert) store_->add(job);
+    if (job->kind() == JobKind::convert) index_->add(job);
     ticket.pool_ = nullptr;  // the place now belongs to the job, until `conclude`
     queue_->push(job);
     return job;
 }
 
 core::Result<std::shared_ptr<Job>> JobPool::find(const std::string& id) const {
-    return store_->find(id);
+    return index_->find(id);
 }
 
 std::vector<std::shared_ptr<Job>> JobPool::list(const JobQuery& query) const {
-    return store_->list(query);
+    return index_->list(query);
 }
 
 proto::JobView JobPool::view(const Job& job) const {
@@ -152,7 +152,7 @@ core::Result<core::Artifact> JobPool::run(Job& job) {
 
 /// After a job has ended, however it did: counts it, keeps it for a while, frees its place.
 void JobPool::conclude(const std::shared_ptr<Job>& job) {
-    if (job->kind() == JobKind::convert) store_->ended(job);
+    if (job->kind() == JobKind::convert) index_->ended(job);
     const JobSnapshot snapshot = job->snapshot();
     double seconds = 0;
     {
@@ -183,7 +183,7 @@ void JobPool::tidy() {
             queue_->remove(*job);
             conclude(job);
         }
-        store_->sweep(Clock::now());
+        index_->sweep(Clock::now());
         if (trim) malloc_trim(0);
         lock.lock();
     }

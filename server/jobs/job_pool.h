@@ -15,8 +15,8 @@
 
 #include "core/pipeline.h"
 #include "server/jobs/job.h"
+#include "server/jobs/job_index.h"
 #include "server/jobs/job_queue.h"
-#include "server/jobs/job_store.h"
 #include "server/jobs/uuid.h"
 
 namespace rivage::server {
@@ -97,7 +97,7 @@ public:
     /// Stops a job that has not ended; it is then found as canceled.
     void cancel(const std::shared_ptr<Job>& job);
     /// Drops an ended job.
-    void forget(const Job& job) { store_->forget(job.id()); }
+    void forget(const Job& job) { index_->forget(job.id()); }
 
     /// No job is admitted from now on.
     void beginDraining() { draining_ = true; }
@@ -122,7 +122,7 @@ private:
     const Engine engine_;
     const Observer observer_;
     std::unique_ptr<JobQueue> queue_;
-    std::unique_ptr<JobStore> store_;
+    std::unique_ptr<JobIndex> index_;
     UuidSource uuids_;
 
     std::atomic<std::size_t> places_{0};  ///< taken: uploads, waiting and running jobs

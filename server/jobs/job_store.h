@@ -1,78 +1,25 @@
 #pragma once
 
-#include <chrono>
-#include <cstddef>
-#include <cstdint>
-#include <deque>
-#include <map>
-#include <memory>
-#include <mutex>
-#include <optional>
-#include <set>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "core/base/result.h"
-#include "server/jobs/job.h"
+#include "server/jobs/job_record.h"
 
 namespace rivage::server {
 
-/// Which jobs to list.
-struct JobQuery {
-    std::optional<proto::JobState> state = {};
-    std::string after = {};  ///< only jobs older than the one with this id
-    std::size_t limit = 50;
-};
-
-/// Where jobs can be found by id, while they run and for some time after.
+/// Where jobs outlive the process: their records, each written as a whole. Safe to call from
+/// several threads.
 class JobStore {
 public:
     virtual ~JobStore() = default;
-    virtual void add(std::shared_ptr<Job> job) = 0;
-    /// @errors notFound; expired if it was here
-    [[nodiscard]] virtual core::Result<std::shared_ptr<Job>> find(const std::string& id) const = 0;
-    /// Newest first.
-    [[nodiscard]] virtual std::vector<std::shared_ptr<Job>> list(const JobQuery& query) const = 0;
-    /// A job has ended: its time to live begins, and its bytes count against the room for results.
-    virtual void ended(const std::shared_ptr<Job>& job) = 0;
-    virtual void forget(const std::string& id) = 0;
-    /// Drops what has outlived its time.
-    virtual void sweep(Clock::time_point now) = 0;
-};
-
-struct StoreLimits {
-    std::chrono::seconds resultTtl{3600};
-    std::uint64_t resultBytes = 512ULL << 20;  ///< of all kept results; the oldest go first
-    std::size_t jobs = 2000;                   ///< ended jobs; the oldest go first
-};
-
-/// Keeps jobs in memory; they are gone when the process ends.
-class MemoryJobStore final : public JobStore {
-public:
-    explicit MemoryJobStore(const StoreLimits& limits) : limits_(limits) {}
-    void add(std::shared_ptr<Job> job) override;
-    [[nodiscard]] core::Result<std::shared_ptr<Job>> find(const std::string& id) const override;
-    [[nodiscard]] std::vector<std::shared_ptr<Job>> list(const JobQuery& query) const override;
-    void ended(const std::shared_ptr<Job>& job) override;
-    void forget(const std::string& id) override;
-    void sweep(Clock::time_point now) override;
-
-private:
-    struct Ended {
-        std::shared_ptr<Job> job;
-        Clock::time_point expiry;
-        std::uint64_t bytes = 0;  ///< of its result, 0 once that is dropped
-    };
-    void expireOldest();
-    void dropOldestResults();
-
-    const StoreLimits limits_;
-    mutable std::mutex mutex_;
-    std::map<std::string, std::shared_ptr<Job>> jobs_;  ///< ids sort by time
-    std::deque<Ended> ended_;                           ///< in the order in which they ended
-    std::uint64_t keptBytes_ = 0;
-    std::set<std::string> expired_;  ///< ids that were here
-    std::deque<std::string> expiredOrder_;
+    /// Writes a record, over an older one of the same id. It is durable on return.
+    /// @errors storageFull; internal
+    virtual core::Result<void> save(const JobRecord& record) = 0;
+    virtual core::Result<void> erase(std::span<const std::string> ids) = 0;
+    /// All records, the oldest first. @errors internal
+    virtual core::Result<std::vector<JobRecord>> load() = 0;
 };
 
 }  // namespace rivage::server

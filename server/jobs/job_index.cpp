@@ -1,4 +1,4 @@
-#include "server/jobs/job_store.h"
+#include "server/jobs/job_index.h"
 
 #include <algorithm>
 #include <utility>
@@ -13,19 +13,19 @@ constexpr std::size_t kRemembered = 65536;
 
 }  // namespace
 
-void MemoryJobStore::add(std::shared_ptr<Job> job) {
+void JobIndex::add(std::shared_ptr<Job> job) {
     const std::lock_guard lock(mutex_);
     jobs_.emplace(job->id(), std::move(job));
 }
 
-core::Result<std::shared_ptr<Job>> MemoryJobStore::find(const std::string& id) const {
+core::Result<std::shared_ptr<Job>> JobIndex::find(const std::string& id) const {
     const std::lock_guard lock(mutex_);
     if (const auto found = jobs_.find(id); found != jobs_.end()) return found->second;
     if (expired_.contains(id)) return core::fail(ErrorCode::expired, "this job has expired", "/id");
     return core::fail(ErrorCode::notFound, "there is no job with this id", "/id");
 }
 
-std::vector<std::shared_ptr<Job>> MemoryJobStore::list(const JobQuery& query) const {
+std::vector<std::shared_ptr<Job>> JobIndex::list(const JobQuery& query) const {
     std::vector<std::shared_ptr<Job>> list;
     const std::lock_guard lock(mutex_);
     auto end = query.after.empty() ? jobs_.end() : jobs_.lower_bound(query.after);
@@ -36,7 +36,7 @@ std::vector<std::shared_ptr<Job>> MemoryJobStore::list(const JobQuery& query) co
     return list;
 }
 
-void MemoryJobStore::ended(const std::shared_ptr<Job>& job) {
+void JobIndex::ended(const std::shared_ptr<Job>& job) {
     const auto result = job->snapshot().result;
     const std::uint64_t bytes = result ? result->bytes.size() : 0;
     job->setExpiry(std::chrono::system_clock::now() + limits_.resultTtl);
@@ -50,7 +50,7 @@ void MemoryJobStore::ended(const std::shared_ptr<Job>& job) {
 }
 
 /// The newest result is kept even if it alone fills the room: its client waits for it.
-void MemoryJobStore::dropOldestResults() {
+void JobIndex::dropOldestResults() {
     for (std::size_t i = 0; i + 1 < ended_.size() && keptBytes_ > limits_.resultBytes; ++i) {
         if (ended_[i].bytes == 0) continue;
         ended_[i].job->dropResult();
@@ -58,7 +58,7 @@ void MemoryJobStore::dropOldestResults() {
     }
 }
 
-void MemoryJobStore::expireOldest() {
+void JobIndex::expireOldest() {
     const Ended oldest = std::move(ended_.front());
     ended_.pop_front();
     keptBytes_ -= oldest.bytes;
@@ -71,7 +71,7 @@ void MemoryJobStore::expireOldest() {
     }
 }
 
-void MemoryJobStore::forget(const std::string& id) {
+void JobIndex::forget(const std::string& id) {
     const std::lock_guard lock(mutex_);
     jobs_.erase(id);
     const auto found = std::find_if(ended_.begin(), ended_.end(),
@@ -81,7 +81,7 @@ void MemoryJobStore::forget(const std::string& id) {
     ended_.erase(found);
 }
 
-void MemoryJobStore::sweep(Clock::time_point now) {
+void JobIndex::sweep(Clock::time_point now) {
     const std::lock_guard lock(mutex_);
     while (!ended_.empty() && ended_.front().expiry <= now) expireOldest();
 }

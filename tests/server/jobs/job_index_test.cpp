@@ -1,4 +1,4 @@
-#include "server/jobs/job_store.h"
+#include "server/jobs/job_index.h"
 
 #include <doctest/doctest.h>
 
@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-std::shared_ptr<Job> endedJob(MemoryJobStore& store, const std::string& id, std::size_t bytes) {
+std::shared_ptr<Job> endedJob(JobIndex& store, const std::string& id, std::size_t bytes) {
     auto job = std::make_shared<Job>(id, JobRequest{}, Clock::now() + 10s);
     store.add(job);
     REQUIRE(job->start());
@@ -25,8 +25,8 @@ std::shared_ptr<Job> endedJob(MemoryJobStore& store, const std::string& id, std:
 
 TEST_SUITE_BEGIN("server/jobs");
 
-TEST_CASE("MemoryJobStore: a job is found until its time is over, then it has expired") {
-    MemoryJobStore store({.resultTtl = 60s});
+TEST_CASE("JobIndex: a job is found until its time is over, then it has expired") {
+    JobIndex store({.resultTtl = 60s});
     const auto job = endedJob(store, "a", 10);
     CHECK(job->snapshot().view.expiresAt);
     store.sweep(Clock::now() + 59s);
@@ -36,8 +36,8 @@ TEST_CASE("MemoryJobStore: a job is found until its time is over, then it has ex
     CHECK(store.find("b").error().code == ErrorCode::notFound);
 }
 
-TEST_CASE("MemoryJobStore: the oldest results make room, their jobs stay") {
-    MemoryJobStore store({.resultBytes = 25});
+TEST_CASE("JobIndex: the oldest results make room, their jobs stay") {
+    JobIndex store({.resultBytes = 25});
     const auto first = endedJob(store, "a", 10);
     const auto second = endedJob(store, "b", 10);
     const auto third = endedJob(store, "c", 10);
@@ -50,15 +50,15 @@ TEST_CASE("MemoryJobStore: the oldest results make room, their jobs stay") {
     CHECK(huge->snapshot().result);
 }
 
-TEST_CASE("MemoryJobStore: more jobs than the limit: the oldest expire") {
-    MemoryJobStore store({.jobs = 2});
+TEST_CASE("JobIndex: more jobs than the limit: the oldest expire") {
+    JobIndex store({.jobs = 2});
     for (const char* id : {"a", "b", "c"}) endedJob(store, id, 1);
     CHECK(store.find("a").error().code == ErrorCode::expired);
     CHECK(store.list({}).size() == 2);
 }
 
-TEST_CASE("MemoryJobStore: a forgotten job is unknown, and its bytes are free again") {
-    MemoryJobStore store({.resultBytes = 25});
+TEST_CASE("JobIndex: a forgotten job is unknown, and its bytes are free again") {
+    JobIndex store({.resultBytes = 25});
     const auto first = endedJob(store, "a", 20);
     store.forget("a");
     CHECK(store.find("a").error().code == ErrorCode::notFound);
@@ -67,8 +67,8 @@ TEST_CASE("MemoryJobStore: a forgotten job is unknown, and its bytes are free ag
     CHECK(second->snapshot().result);
 }
 
-TEST_CASE("MemoryJobStore: the list is newest first, by state, in pages") {
-    MemoryJobStore store(StoreLimits{});
+TEST_CASE("JobIndex: the list is newest first, by state, in pages") {
+    JobIndex store(StoreLimits{});
     for (const char* id : {"a", "b", "c"}) endedJob(store, id, 1);
     store.add(std::make_shared<Job>("d", JobRequest{}, Clock::now()));
     const auto ids = [&](const JobQuery& query) {

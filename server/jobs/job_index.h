@@ -1,0 +1,66 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "server/jobs/job.h"
+
+namespace rivage::server {
+
+/// Which jobs to list.
+struct JobQuery {
+    std::optional<proto::JobState> state = {};
+    std::string after = {};  ///< only jobs older than the one with this id
+    std::size_t limit = 50;
+};
+
+struct StoreLimits {
+    std::chrono::seconds resultTtl{3600};
+    std::uint64_t resultBytes = 512ULL << 20;  ///< of all kept results; the oldest go first
+    std::size_t jobs = 2000;                   ///< ended jobs; the oldest go first
+};
+
+/// Where jobs can be found by id, while they run and for some time after.
+class JobIndex {
+public:
+    explicit JobIndex(const StoreLimits& limits) : limits_(limits) {}
+    void add(std::shared_ptr<Job> job);
+    /// @errors notFound; expired if it was here
+    [[nodiscard]] core::Result<std::shared_ptr<Job>> find(const std::string& id) const;
+    /// Newest first.
+    [[nodiscard]] std::vector<std::shared_ptr<Job>> list(const JobQuery& query) const;
+    /// A job has ended: its time to live begins, and its bytes count against the room for results.
+    void ended(const std::shared_ptr<Job>& job);
+    void forget(const std::string& id);
+    /// Drops what has outlived its time.
+    void sweep(Clock::time_point now);
+
+private:
+    struct Ended {
+        std::shared_ptr<Job> job;
+        Clock::time_point expiry;
+        std::uint64_t bytes = 0;  ///< of its result, 0 once that is dropped
+    };
+    void expireOldest();
+    void dropOldestResults();
+
+    const StoreLimits limits_;
+    mutable std::mutex mutex_;
+    std::map<std::string, std::shared_ptr<Job>> jobs_;  ///< ids sort by time
+    std::deque<Ended> ended_;                           ///< in the order in which they ended
+    std::uint64_t keptBytes_ = 0;
+    std::set<std::string> expired_;  ///< ids that were here
+    std::deque<std::string> expiredOrder_;
+};
+
+}  // namespace rivage::server
