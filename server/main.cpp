@@ -51,7 +51,7 @@ void drain(JobPool& pool, HttpServer& http, AdminServer& admin, const Settings& 
         if (signalled(signals, std::chrono::milliseconds(20))) endAtOnce(address);
     if (!pool.idle()) {
         logWarning("canceling", {{"jobs", pool.stats().running + pool.stats().queued}});
-        pool.cancelAll();
+        pool.stopAll();
     }
     std::atomic<bool> stopped{false};
     std::thread stopper([&] {

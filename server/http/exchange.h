@@ -15,6 +15,7 @@ struct Exchange {
     httplib::Response& response;
     const httplib::ContentReader* body;  ///< of routes that take an upload, else null
     Service& service;
+    std::string owner = {};  ///< name of the caller's API key; empty without keys
 };
 
 /// What a step of a handler gives, or the problem to answer with.

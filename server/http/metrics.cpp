@@ -38,13 +38,6 @@ void writeJobs(std::ostream& out, const PoolStats& stats) {
         << "rivage_admission_rejected_total{reason=\"draining\"} " << stats.rejectedDraining
         << '\n';
 
-    metric(out, "rivage_job_queue_wait_seconds_total", "counter", "Time that jobs have waited.");
-    out << "rivage_job_queue_wait_seconds_total " << stats.queueSeconds << '\n';
-    metric(out, "rivage_job_stage_seconds_total", "counter", "Time that jobs have run, by stage.");
-    for (std::size_t i = 0; i < core::kStageCount; ++i)
-        out << "rivage_job_stage_seconds_total{stage=\""
-            << core::stageName(static_cast<core::Stage>(i)) << "\"} " << stats.stageSeconds[i]
-            << '\n';
 }
 
 }  // namespace

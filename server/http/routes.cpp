@@ -6,14 +6,16 @@
 namespace rivage::server {
 namespace {
 
-constexpr std::array<Route, 15> kRoutes{{
-    {"POST", "/v1/regularize", "200 202 400 408 409 413 415 422 503 504", postRegularize, true},
-    {"POST", "/v1/jobs", "202 400 408 413 415 503", postJob, true},
+constexpr std::array<Route, 17> kRoutes{{
+    {"POST", "/v1/regularize", "200 202 400 408 409 413 415 422 503 504 507", postRegularize, true},
+    {"POST", "/v1/jobs", "202 400 408 409 413 415 422 503 507", postJob, true},
     {"GET", "/v1/jobs", "200 400", listJobs},
     {"GET", "/v1/jobs/{id}", "200 404 410", getJob},
     {"DELETE", "/v1/jobs/{id}", "204 404 410", deleteJob},
-    {"GET", "/v1/jobs/{id}/result", "200 202 206 304 400 404 409 410 413 415 416 422 504",
+    {"GET", "/v1/jobs/{id}/result", "200 202 206 304 400 404 409 410 413 415 416 422 504 507",
      getResult},
+    {"GET", "/v1/jobs/{id}/events", "200 400 404 410 503", getEvents},
+    {"GET", "/v1/jobs/{id}/preview", "200 202 304 404 410", getPreview},
     {"POST", "/v1/inspect", "200 400 408 409 413 415 422 503 504", postInspect, true},
     {"GET", "/v1/limits", "200", getLimits},
     {"GET", "/v1/formats", "200", getFormats},

@@ -14,7 +14,7 @@ struct Route {
     std::string_view method;
     std::string_view path;  ///< segments in braces match anything
     std::string_view
-        statuses;  ///< of the handler itself; every route may answer 400, 404, 405, 500
+        statuses;  ///< of the handler itself; /v1/ may also answer 401, 403, 429, all 404, 405, 500
     void (*handle)(Exchange&);
     bool upload = false;  ///< takes a grid, so it needs a place in the queue before its body
 };
@@ -36,6 +36,8 @@ void listJobs(Exchange& exchange);
 void getJob(Exchange& exchange);
 void getResult(Exchange& exchange);
 void deleteJob(Exchange& exchange);
+void getEvents(Exchange& exchange);
+void getPreview(Exchange& exchange);
 // What the server is and can do
 void getLimits(Exchange& exchange);
 void getFormats(Exchange& exchange);

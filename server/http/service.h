@@ -31,6 +31,8 @@ struct Service {
     std::uint64_t minBodyRate = 1024;  ///< bytes per second, on average, after `readTimeout`
     std::size_t longPolls = 64;        ///< waiting GETs at a time; more are answered at once
     std::atomic<std::size_t> waiting{0};
+    std::size_t streams = 64;  ///< clients that follow events at a time; more are refused
+    std::atomic<std::size_t> streaming{0};
     std::atomic<std::size_t> unanswered{0};  ///< requests whose answer is not written yet
     std::atomic<bool> stopping{false};       ///< long polls end now
 };

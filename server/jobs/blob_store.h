@@ -19,6 +19,8 @@ public:
     /// Valid as long as the blob. Safe to call from several threads.
     [[nodiscard]] virtual std::span<const std::byte> bytes() const = 0;
     [[nodiscard]] const Digest& digest() const { return digest_; }
+    /// Whether the bytes outlive the process.
+    [[nodiscard]] virtual bool durable() const { return false; }
 
 protected:
     explicit Blob(Digest digest) : digest_(std::move(digest)) {}

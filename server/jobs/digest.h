@@ -13,4 +13,7 @@ struct Digest {
 };
 [[nodiscard]] Digest sha256(std::span<const std::byte> bytes);
 
+/// The digest whose hexadecimal form this is; empty if it is none.
+[[nodiscard]] Digest digestOf(const std::string& hex);
+
 }  // namespace rivage::server

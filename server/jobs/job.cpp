@@ -3,139 +3,189 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/jobs/digest.h"
-
 namespace rivage::server {
 namespace {
 
-using core::ErrorCode;
 using proto::JobState;
 
-/// Share of the work that lies before each stage; a guess from typical runs, for the bar only.
-constexpr std::array<double, core::kStageCount + 1> kShares{0, 0.05, 0.12, 0.25, 0.8, 0.9, 1};
+/// Events kept for those who come late or come back.
+constexpr std::size_t kKeptEvents = 256;
+/// Between two events that only say how far a stage is.
+constexpr std::chrono::milliseconds kProgressInterval{100};
 
-double milliseconds(Clock::duration duration) {
-    return std::chrono::duration<double, std::milli>(duration).count();
+JobFacts factsOf(const JobRecord& record) {
+    return {.id = record.id,
+            .kind = JobKind::convert,
+            .owner = record.owner,
+            .idempotencyKey = record.idempotencyKey,
+            .key = record.key,
+            .options = record.options,
+            .name = record.name,
+            .requestId = record.requestId,
+            .traceparent = record.traceparent,
+            .inputSha256 = record.inputSha256,
+            .inputBytes = record.inputBytes,
+            .created = record.created};
+}
+
+proto::Json parsed(const std::string& text) {
+    return text.empty() ? proto::Json() : proto::Json::parse(text, nullptr, false);
 }
 
 }  // namespace
 
-Job::Job(std::string id, JobRequest request, Clock::time_point deadline)
-    : id_(std::move(id)), request_(std::move(request)), deadline_(deadline) {
-    now_.view.id = id_;
-    now_.view.created = std::chrono::system_clock::now();
-    now_.view.options = proto::toJson(request_.options);
-    now_.requestId = request_.requestId;
-    now_.inputBytes = request_.input.size();
+JobResult::JobResult(BlobPtr bytes, std::string type, std::string suffix)
+    : blob(std::move(bytes)),
+      mediaType(std::move(type)),
+      extension(std::move(suffix)),
+      etag('"' + blob->digest().hex + '"'),
+      reprDigest("sha-256=:" + blob->digest().base64 + ":") {}
+
+Job::Job(JobFacts facts, Clock::time_point deadline)
+    : facts_(std::move(facts)), deadline_(deadline) {
+    now_.view.id = facts_.id;
+    now_.view.created = facts_.created;
+}
+
+Job::Job(const JobRecord& record, Clock::time_point deadline) : Job(factsOf(record), deadline) {
+    durable_ = true;
+    now_.view.attempt = record.attempt;
+    if (!proto::hasEnded(record.state)) return;
+    now_.view.state = record.state;
+    now_.view.started = record.started;
+    now_.view.finished = record.finished;
+    now_.view.expiresAt = record.expires;
+    now_.view.progress = record.state == JobState::succeeded ? 1 : 0;
+    now_.error = record.error;
+    if (record.error) {
+        now_.view.error = proto::makeProblem(*record.error);
+        now_.view.error->instance = "/v1/jobs/" + record.id;
+    }
+    resultSha256_ = record.resultSha256;
+    resultBytes_ = record.resultBytes;
+    mediaType_ = record.mediaType;
+    extension_ = record.extension;
+    now_.view.hasResult = !resultSha256_.empty();
+    if (!record.report.empty()) now_.facts = std::make_shared<RunFacts>(RunFacts{record.report});
+    announced_ = true;
 }
 
 bool Job::start() {
     const std::lock_guard lock(mutex_);
-    if (proto::hasEnded(now_.view.state)) return false;
+    if (ended()) return false;
     now_.view.state = JobState::running;
     now_.view.started = std::chrono::system_clock::now();
     ++now_.view.attempt;
-    stageBegan_ = Clock::now();
-    now_.times.queue = milliseconds(stageBegan_ - created_);
+    now_.times.queue = std::chrono::duration<double, std::milli>(Clock::now() - created_).count();
+    addProgressEvent();
     return true;
 }
 
-void Job::report(core::Stage stage, double fraction) {
+void Job::advance(core::Stage stage, double progress) {
     const std::lock_guard lock(mutex_);
-    const auto index = static_cast<std::size_t>(stage);
-    if (now_.view.stage != stage) {
-        const Clock::time_point now = Clock::now();
-        // What was spent before the first stage was named belongs to the first.
-        const auto before = static_cast<std::size_t>(now_.view.stage.value_or(stage));
-        now_.times.stages[before] += milliseconds(now - stageBegan_);
-        stageBegan_ = now;
-        now_.view.stage = stage;
-    }
-    const double share = kShares[index + 1] - kShares[index];
-    const double progress = kShares[index] + share * std::clamp(fraction, 0.0, 1.0);
+    if (ended()) return;
+    const bool next = now_.view.stage != stage;
+    now_.view.stage = stage;
     now_.view.progress = std::max(now_.view.progress, progress);
+    if (next || Clock::now() - lastProgress_ >= kProgressInterval) addProgressEvent();
+}
+
+void Job::advanceInQueue(std::size_t position) {
+    const std::lock_guard lock(mutex_);
+    if (now_.view.state == JobState::queued) addProgressEvent(position);
+}
+
+void Job::offer(JobPreview preview) {
+    const std::lock_guard lock(mutex_);
+    if (ended()) return;
+    addEvent("preview", {{"step", preview.step},
+                         {"energy", preview.energy},
+                         {"href", "/v1/jobs/" + id() + "/preview"}});
+    preview_ = std::move(preview);
+}
+
+std::optional<JobPreview> Job::preview() const {
+    const std::lock_guard lock(mutex_);
+    return preview_;
 }
 
 /// With the mutex held.
-void Job::keepReport(core::ConversionReport& report, std::size_t bytes) {
-    now_.voxels = report.input.voxels;
-    now_.surfels = report.surface.surfels;
-    if (request_.kind == JobKind::inspect) return;
-    report.milliseconds = now_.times.stages;
-    report.output.bytes = bytes;
-    now_.view.report = core::toJson(report);
+void Job::addEvent(const char* name, const proto::Json& data) {
+    events_.push_back({++lastEvent_, name, proto::writeJson(data)});
+    if (events_.size() > kKeptEvents) events_.pop_front();
+    changed_.notify_all();
 }
 
-void Job::finish(core::Result<core::Artifact> outcome) {
-    std::shared_ptr<const JobResult> result;
-    if (outcome && !cancelled_) {
-        const Digest digest = sha256(outcome->bytes);
-        result = std::make_shared<const JobResult>(JobResult{
-            std::move(outcome->bytes), outcome->mediaType, request_.name + "." + outcome->extension,
-            '"' + digest.hex + '"', "sha-256=:" + digest.base64 + ":"});
-    }
+/// With the mutex held.
+void Job::addProgressEvent(std::optional<std::size_t> position) {
+    lastProgress_ = Clock::now();
+    const proto::JobView& view = now_.view;
+    addEvent("progress",
+             {{"state", proto::stateName(view.state)},
+              {"stage", view.stage ? proto::Json(core::stageName(*view.stage)) : proto::Json()},
+              {"progress", view.progress},
+              {"queue_position", position ? proto::Json(*position) : proto::Json()}});
+}
+
+bool Job::end(const RunOutcome& outcome) {
     const std::lock_guard lock(mutex_);
-    const auto stage = static_cast<std::size_t>(now_.view.stage.value_or(core::Stage::parse));
-    now_.times.stages[stage] += milliseconds(Clock::now() - stageBegan_);
-    if (cancelled_)
-        return end(JobState::canceled, core::Error{ErrorCode::cancelled, "the job was canceled"});
-    if (!outcome) {
-        const bool canceled = outcome.error().code == ErrorCode::cancelled;
-        return end(canceled ? JobState::canceled : JobState::failed, std::move(outcome.error()));
+    if (ended()) return false;
+    proto::JobView& view = now_.view;
+    if (view.state == JobState::queued)
+        now_.times.queue =
+            std::chrono::duration<double, std::milli>(Clock::now() - created_).count();
+    view.finished = std::chrono::system_clock::now();
+    view.state = outcome.result ? JobState::succeeded : JobState::failed;
+    if (outcome.error) {
+        if (outcome.error->code == core::ErrorCode::cancelled) view.state = JobState::canceled;
+        view.error = proto::makeProblem(*outcome.error);
+        view.error->instance = "/v1/jobs/" + id();
     }
-    keepReport(outcome->report, result->bytes.size());
-    now_.result = std::move(result);
-    end(JobState::succeeded, std::nullopt);
+    if (outcome.result) {
+        view.progress = 1;
+        resultSha256_ = outcome.result->blob->digest().hex;
+        resultBytes_ = outcome.result->size();
+        mediaType_ = outcome.result->mediaType;
+        extension_ = outcome.result->extension;
+    }
+    view.hasResult = outcome.result != nullptr;
+    now_.error = outcome.error;
+    now_.result = outcome.result;
+    now_.facts = outcome.facts;
+    if (outcome.facts && now_.reuse != Reuse::hit) now_.times.stages = outcome.facts->stages;
+    preview_.reset();
+    return true;
+}
+
+void Job::setReuse(Reuse reuse) {
+    const std::lock_guard lock(mutex_);
+    now_.reuse = reuse;
 }
 
 void Job::announce() {
     const std::lock_guard lock(mutex_);
     announced_ = true;
-    announcement_.notify_all();
+    changed_.notify_all();
 }
 
-/// With the mutex held.
-void Job::end(JobState state, std::optional<core::Error> error) {
-    now_.view.state = state;
-    now_.view.finished = std::chrono::system_clock::now();
-    if (state == JobState::succeeded) now_.view.progress = 1;
-    if (error) {
-        now_.view.error = proto::makeProblem(*error);
-        now_.view.error->instance = "/v1/jobs/" + id_;
-    }
-    now_.error = std::move(error);
-    now_.view.hasResult = now_.result != nullptr;
-    std::vector<std::byte>().swap(request_.input);
-}
-
-bool Job::cancel() {
+bool Job::announced() const {
     const std::lock_guard lock(mutex_);
-    if (proto::hasEnded(now_.view.state)) return false;
-    cancelled_ = true;
-    if (now_.view.state == JobState::running) return false;
-    now_.times.queue = milliseconds(Clock::now() - created_);
-    end(JobState::canceled, core::Error{ErrorCode::cancelled, "the job was canceled"});
-    return true;
-}
-
-bool Job::expire(Clock::time_point now) {
-    const std::lock_guard lock(mutex_);
-    if (now_.view.state != JobState::queued || now < deadline_) return false;
-    now_.times.queue = milliseconds(now - created_);
-    end(JobState::failed,
-        core::Error{ErrorCode::timedOut, "the deadline passed while the job was queued"});
-    return true;
-}
-
-bool Job::stopRequested() const { return cancelled_ || Clock::now() >= deadline_; }
-
-ErrorCode Job::stopReason() const {
-    return cancelled_ ? ErrorCode::cancelled : ErrorCode::timedOut;
+    return announced_;
 }
 
 bool Job::waitEnded(std::chrono::milliseconds timeout) const {
     std::unique_lock lock(mutex_);
-    return announcement_.wait_for(lock, timeout, [&] { return announced_; });
+    return changed_.wait_for(lock, timeout, [&] { return announced_; });
+}
+
+std::vector<JobEvent> Job::waitEvents(std::uint64_t after,
+                                      std::chrono::milliseconds timeout) const {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, timeout, [&] { return announced_ || lastEvent_ > after; });
+    std::vector<JobEvent> events;
+    for (const JobEvent& event : events_)
+        if (event.id > after) events.push_back(event);
+    return events;
 }
 
 JobState Job::state() const {
@@ -148,10 +198,72 @@ JobSnapshot Job::snapshot() const {
     return now_;
 }
 
+proto::JobView Job::view() const {
+    const JobSnapshot snapshot = this->snapshot();
+    proto::JobView view = snapshot.view;
+    view.options = parsed(facts_.options);
+    if (snapshot.facts) view.report = parsed(snapshot.facts->report);
+    return view;
+}
+
+JobRecord Job::record() const {
+    const std::lock_guard lock(mutex_);
+    const proto::JobView& view = now_.view;
+    return {.id = facts_.id,
+            .owner = facts_.owner,
+            .idempotencyKey = facts_.idempotencyKey,
+            .key = facts_.key,
+            .options = facts_.options,
+            .name = facts_.name,
+            .requestId = facts_.requestId,
+            .traceparent = facts_.traceparent,
+            .inputSha256 = facts_.inputSha256,
+            .inputBytes = facts_.inputBytes,
+            .state = view.state,
+            .attempt = view.attempt,
+            .created = view.created,
+            .started = view.started,
+            .finished = view.finished,
+            .expires = view.expiresAt,
+            .resultSha256 = resultSha256_,
+            .resultBytes = resultBytes_,
+            .mediaType = mediaType_,
+            .extension = extension_,
+            .report = now_.facts ? now_.facts->report : std::string(),
+            .error = now_.error};
+}
+
+void Job::makeDurable() {
+    const std::lock_guard lock(mutex_);
+    durable_ = true;
+}
+
+bool Job::durable() const {
+    const std::lock_guard lock(mutex_);
+    return durable_;
+}
+
+void Job::addWaiter() {
+    const std::lock_guard lock(mutex_);
+    ++waiters_;
+}
+
+bool Job::removeWaiter() {
+    const std::lock_guard lock(mutex_);
+    return --waiters_ == 0 && !durable_;
+}
+
+void Job::restoreResult(ResultPtr result) {
+    const std::lock_guard lock(mutex_);
+    if (now_.view.hasResult) now_.result = std::move(result);
+}
+
 void Job::dropResult() {
     const std::lock_guard lock(mutex_);
     now_.result.reset();
     now_.view.hasResult = false;
+    resultSha256_.clear();
+    resultBytes_ = 0;
 }
 
 void Job::setExpiry(proto::WallTime expiry) {

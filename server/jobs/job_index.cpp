@@ -8,7 +8,7 @@ namespace {
 
 using core::ErrorCode;
 
-/// Ids remembered to answer "expired" instead of "not found"; about 100 bytes each.
+/// Ids remembered to answer "expired" instead of "not found"; about 150 bytes each.
 constexpr std::size_t kRemembered = 65536;
 
 }  // namespace
@@ -18,10 +18,14 @@ void JobIndex::add(std::shared_ptr<Job> job) {
     jobs_.emplace(job->id(), std::move(job));
 }
 
-core::Result<std::shared_ptr<Job>> JobIndex::find(const std::string& id) const {
+core::Result<std::shared_ptr<Job>> JobIndex::find(const std::string& owner,
+                                                  const std::string& id) const {
     const std::lock_guard lock(mutex_);
-    if (const auto found = jobs_.find(id); found != jobs_.end()) return found->second;
-    if (expired_.contains(id)) return core::fail(ErrorCode::expired, "this job has expired", "/id");
+    const auto found = jobs_.find(id);
+    if (found != jobs_.end() && found->second->facts().owner == owner) return found->second;
+    const auto expired = expired_.find(id);
+    if (expired != expired_.end() && expired->second == owner)
+        return core::fail(ErrorCode::expired, "this job has expired", "/id");
     return core::fail(ErrorCode::notFound, "there is no job with this id", "/id");
 }
 
@@ -31,40 +35,64 @@ std::vector<std::shared_ptr<Job>> JobIndex::list(const JobQuery& query) const {
     auto end = query.after.empty() ? jobs_.end() : jobs_.lower_bound(query.after);
     while (end != jobs_.begin() && list.size() < query.limit) {
         --end;
-        if (!query.state || end->second->state() == *query.state) list.push_back(end->second);
+        const Job& job = *end->second;
+        if (job.facts().owner == query.owner && (!query.state || job.state() == *query.state))
+            list.push_back(end->second);
     }
     return list;
 }
 
 void JobIndex::ended(const std::shared_ptr<Job>& job) {
-    const auto result = job->snapshot().result;
-    const std::uint64_t bytes = result ? result->bytes.size() : 0;
-    job->setExpiry(std::chrono::system_clock::now() + limits_.resultTtl);
+    const auto wall = std::chrono::system_clock::now();
+    const auto expiry = job->snapshot().view.expiresAt.value_or(wall + limits_.resultTtl);
+    job->setExpiry(expiry);
+    const JobRecord record = job->record();
 
     const std::lock_guard lock(mutex_);
     if (!jobs_.contains(job->id())) return;  // forgotten while it ran
-    ended_.push_back({job, Clock::now() + limits_.resultTtl, bytes});
-    keptBytes_ += bytes;
+    ended_.push_back({job,
+                      Clock::now() + std::chrono::duration_cast<Clock::duration>(expiry - wall),
+                      record.resultSha256});
+    count(record.resultSha256, record.resultBytes);
     dropOldestResults();
     while (ended_.size() > limits_.jobs) expireOldest();
+}
+
+/// Identical jobs share the bytes of their result. With the mutex held.
+void JobIndex::count(const std::string& result, std::uint64_t bytes) {
+    if (result.empty()) return;
+    Kept& kept = results_[result];
+    if (kept.jobs++ > 0) return;
+    kept.bytes = bytes;
+    keptBytes_ += bytes;
+}
+
+/// With the mutex held.
+void JobIndex::uncount(std::string& result) {
+    const auto found = results_.find(std::exchange(result, {}));
+    if (found == results_.end() || --found->second.jobs > 0) return;
+    keptBytes_ -= found->second.bytes;
+    results_.erase(found);
 }
 
 /// The newest result is kept even if it alone fills the room: its client waits for it.
 void JobIndex::dropOldestResults() {
     for (std::size_t i = 0; i + 1 < ended_.size() && keptBytes_ > limits_.resultBytes; ++i) {
-        if (ended_[i].bytes == 0) continue;
+        if (ended_[i].result.empty()) continue;
+        uncount(ended_[i].result);
         ended_[i].job->dropResult();
-        keptBytes_ -= std::exchange(ended_[i].bytes, 0);
+        changes_.changed.push_back(ended_[i].job);
     }
 }
 
 void JobIndex::expireOldest() {
-    const Ended oldest = std::move(ended_.front());
+    Ended oldest = std::move(ended_.front());
     ended_.pop_front();
-    keptBytes_ -= oldest.bytes;
+    uncount(oldest.result);
     const std::string& id = oldest.job->id();
     jobs_.erase(id);
-    if (expired_.insert(id).second) expiredOrder_.push_back(id);
+    changes_.gone.push_back(id);
+    if (expired_.emplace(id, oldest.job->facts().owner).second) expiredOrder_.push_back(id);
     if (expiredOrder_.size() > kRemembered) {
         expired_.erase(expiredOrder_.front());
         expiredOrder_.pop_front();
@@ -74,16 +102,31 @@ void JobIndex::expireOldest() {
 void JobIndex::forget(const std::string& id) {
     const std::lock_guard lock(mutex_);
     jobs_.erase(id);
+    changes_.gone.push_back(id);
     const auto found = std::find_if(ended_.begin(), ended_.end(),
                                     [&](const Ended& one) { return one.job->id() == id; });
     if (found == ended_.end()) return;
-    keptBytes_ -= found->bytes;
+    uncount(found->result);
     ended_.erase(found);
 }
 
 void JobIndex::sweep(Clock::time_point now) {
     const std::lock_guard lock(mutex_);
     while (!ended_.empty() && ended_.front().expiry <= now) expireOldest();
+}
+
+JobIndex::Changes JobIndex::takeChanges() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(changes_, {});
+}
+
+bool JobIndex::needs(const std::string& hex) const {
+    const std::lock_guard lock(mutex_);
+    if (results_.contains(hex)) return true;
+    return std::any_of(jobs_.begin(), jobs_.end(), [&](const auto& item) {
+        const Job& job = *item.second;
+        return job.facts().inputSha256 == hex && !proto::hasEnded(job.state());
+    });
 }
 
 }  // namespace rivage::server

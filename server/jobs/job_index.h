@@ -8,7 +8,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -19,15 +18,16 @@ namespace rivage::server {
 
 /// Which jobs to list.
 struct JobQuery {
+    std::string owner = {};
     std::optional<proto::JobState> state = {};
     std::string after = {};  ///< only jobs older than the one with this id
     std::size_t limit = 50;
 };
 
 struct StoreLimits {
-    std::chrono::seconds resultTtl{3600};
+    std::chrono::seconds resultTtl{86400};
     std::uint64_t resultBytes = 512ULL << 20;  ///< of all kept results; the oldest go first
-    std::size_t jobs = 2000;                   ///< ended jobs; the oldest go first
+    std::size_t jobs = 1000;                   ///< ended jobs; the oldest go first
 };
 
 /// Where jobs can be found by id, while they run and for some time after.
@@ -35,8 +35,9 @@ class JobIndex {
 public:
     explicit JobIndex(const StoreLimits& limits) : limits_(limits) {}
     void add(std::shared_ptr<Job> job);
-    /// @errors notFound; expired if it was here
-    [[nodiscard]] core::Result<std::shared_ptr<Job>> find(const std::string& id) const;
+    /// Of this owner only. @errors notFound; expired if it was here
+    [[nodiscard]] core::Result<std::shared_ptr<Job>> find(const std::string& owner,
+                                                          const std::string& id) const;
     /// Newest first.
     [[nodiscard]] std::vector<std::shared_ptr<Job>> list(const JobQuery& query) const;
     /// A job has ended: its time to live begins, and its bytes count against the room for results.
@@ -45,22 +46,39 @@ public:
     /// Drops what has outlived its time.
     void sweep(Clock::time_point now);
 
+    /// What has happened to ended jobs since the last call.
+    struct Changes {
+        std::vector<std::string> gone;              ///< ids
+        std::vector<std::shared_ptr<Job>> changed;  ///< those without their result now
+    };
+    [[nodiscard]] Changes takeChanges();
+    /// Whether a job needs the blob with this sha-256 (hex).
+    [[nodiscard]] bool needs(const std::string& hex) const;
+
 private:
     struct Ended {
         std::shared_ptr<Job> job;
         Clock::time_point expiry;
-        std::uint64_t bytes = 0;  ///< of its result, 0 once that is dropped
+        std::string result = {};  ///< hex; empty without one
     };
     void expireOldest();
     void dropOldestResults();
+    void count(const std::string& result, std::uint64_t bytes);
+    void uncount(std::string& result);
 
     const StoreLimits limits_;
     mutable std::mutex mutex_;
     std::map<std::string, std::shared_ptr<Job>> jobs_;  ///< ids sort by time
     std::deque<Ended> ended_;                           ///< in the order in which they ended
+    struct Kept {
+        std::size_t jobs = 0;  ///< that share this result
+        std::uint64_t bytes = 0;
+    };
+    std::map<std::string, Kept> results_;  ///< of ended jobs, by sha-256
     std::uint64_t keptBytes_ = 0;
-    std::set<std::string> expired_;  ///< ids that were here
+    std::map<std::string, std::string> expired_;  ///< owners of jobs that were here, by id
     std::deque<std::string> expiredOrder_;
+    Changes changes_;
 };
 
 }  // namespace rivage::server

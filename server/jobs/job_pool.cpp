@@ -1,10 +1,7 @@
 #include "server/jobs/job_pool.h"
 
-#include <malloc.h>
-
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <utility>
 
 namespace rivage::server {
@@ -15,30 +12,46 @@ using core::ErrorCode;
 using core::fail;
 using proto::JobState;
 
-/// How often deadlines of waiting jobs and times to live are looked at.
-constexpr std::chrono::milliseconds kTidyInterval{100};
+/// Everything that decides what a run gives, and who may see it, as one short text.
+std::string runKey(const JobRequest& request, const Blob& input, const std::string& engine) {
+    if (request.kind != JobKind::convert) return {};
+    const std::string text = engine + '\n' + request.owner + '\n' + input.digest().hex + '\n' +
+                             proto::writeJson(proto::toJson(request.options.conversion));
+    return sha256(std::as_bytes(std::span(text))).hex;
+}
+
+Error full(std::string message, std::uint64_t limit, std::string setting) {
+    Error error{ErrorCode::busy, std::move(message)};
+    error.limit = limit;
+    error.setting = std::move(setting);
+    return error;
+}
 
 }  // namespace
 
-JobPool::JobPool(const PoolSettings& settings, Engine engine, Observer observer)
+JobPool::JobPool(const PoolSettings& settings, Engine engine, Observer observer,
+                 const Storage& storage)
     : settings_(settings),
       engine_(std::move(engine)),
       observer_(std::move(observer)),
+      storage_(storage),
       queue_(std::make_unique<LocalJobQueue>()),
-      index_(std::make_unique<JobIndex>(settings.store)) {
-    for (std::size_t i = 0; i < settings_.workers; ++i) threads_.emplace_back([this] { work(); });
+      index_(settings.store) {
+    recover();
+    for (std::size_t i = 0; i < settings_.workers; ++i)
+        threads_.emplace_back([this, i] { work(i); });
     threads_.emplace_back([this] { tidy(); });
 }
 
 JobPool::~JobPool() {
     beginDraining();
-    cancelAll();
+    stopAll();
     queue_->close();
     {
         const std::lock_guard lock(mutex_);
-        stopping_ = true;
+        closing_ = true;
     }
-    stop_.notify_all();
+    close_.notify_all();
     for (std::thread& thread : threads_) thread.join();
 }
 
@@ -56,136 +69,203 @@ core::Result<JobPool::Ticket> JobPool::admit() {
 
     const std::lock_guard lock(mutex_);
     ++stats_.rejectedFull;
-    Error error{ErrorCode::busy, "all workers are busy and the queue is full"};
-    error.limit = settings_.queueLimit;
-    error.setting = "--queue-limit";
-    return fail(std::move(error));
+    return fail(
+        full("all workers are busy and the queue is full", settings_.queueLimit, "--queue-limit"));
+}
+
+core::Result<JobFacts> JobPool::describe(const JobRequest& request, const Blob& input) {
+    const std::string& hex = input.digest().hex;
+    if (storage_.crashes && storage_.crashes->crashes(hex) >= kPoisonous)
+        return fail(ErrorCode::poison,
+                    "this grid was running when the server crashed, twice; it is not run again",
+                    "/grid");
+    return JobFacts{.id = uuids_.next(std::chrono::system_clock::now()),
+                    .kind = request.kind,
+                    .owner = request.owner,
+                    .idempotencyKey = request.idempotencyKey,
+                    .key = runKey(request, input, engine_.version),
+                    .options = proto::writeJson(proto::toJson(request.options)),
+                    .name = request.name,
+                    .requestId = request.requestId,
+                    .traceparent = request.traceparent,
+                    .inputSha256 = hex,
+                    .inputBytes = input.bytes().size()};
+}
+
+/// Durable jobs have their grid in the store before they are accepted.
+core::Result<BlobPtr> JobPool::keepInput(JobRequest& request) {
+    const bool durable = request.durable && storage_.blobs;
+    BlobStore& store = durable ? *storage_.blobs : static_cast<BlobStore&>(memory_);
+    return store.put(std::move(request.input));
 }
 
 core::Result<std::shared_ptr<Job>> JobPool::submit(Ticket ticket, JobRequest request) {
     const auto longest = static_cast<std::uint64_t>(settings_.deadline.count());
     const std::uint64_t asked = request.options.run.deadlineMs.value_or(longest);
-    if (asked > longest) {
-        Error error{ErrorCode::invalidOption,
-                    "deadline_ms is above the server's deadline",
-                    "/options/deadline_ms",
-                    longest,
-                    asked,
-                    "--deadline"};
-        return fail(std::move(error));
-    }
+    if (asked > longest)
+        return fail(Error{ErrorCode::invalidOption, "deadline_ms is above the server's deadline",
+                          "/options/deadline_ms", longest, asked, "--deadline"});
+    const auto input = keepInput(request);
+    if (!input) return fail(input.error());
+    auto facts = describe(request, **input);
+    if (!facts) return fail(std::move(facts.error()));
     const auto deadline = Clock::now() + std::chrono::milliseconds(asked);
-    auto job = std::make_shared<Job>(uuids_.next(std::chrono::system_clock::now()),
-                                     std::move(request), deadline);
-    if (job->kind() == JobKind::convert) index_->add(job);
-    ticket.pool_ = nullptr;  // the place now belongs to the job, until `conclude`
-    queue_->push(job);
+    const auto job = std::make_shared<Job>(*std::move(facts), deadline);
+    {
+        // Those that share a run need no place, so they have a bound of their own.
+        const std::lock_guard lock(mutex_);
+        if (stats_.unfinished >= std::max(settings_.store.jobs, settings_.workers))
+            return fail(
+                full("too many jobs have not ended yet", settings_.store.jobs, "--kept-jobs"));
+        ++stats_.unfinished;
+        ++unfinished_[request.owner];
+    }
+    if (job->facts().kind == JobKind::convert) index_.add(job);
+    if (request.durable) {
+        if (const auto kept = keep(job); !kept) {
+            leave(job, kept.error());
+            forget(*job);
+            return fail(kept.error());
+        }
+    }
+    attach(job, *input, request.options, std::make_shared<Ticket>(std::move(ticket)),
+           request.fresh);
     return job;
 }
 
-core::Result<std::shared_ptr<Job>> JobPool::find(const std::string& id) const {
-    return index_->find(id);
+/// Finds a twin for a job, or gives it a run of its own.
+void JobPool::attach(const std::shared_ptr<Job>& job, BlobPtr input,
+                     const proto::JobOptions& options, std::shared_ptr<void> place, bool fresh) {
+    const bool suspect =
+        storage_.crashes && storage_.crashes->crashes(job->facts().inputSha256) > 0;
+    const auto task =
+        std::make_shared<Task>(*job, std::move(input), options, std::move(place), suspect);
+    const KnownRuns::Found found = known_.findOrAdd(job, task, fresh);
+    std::uint64_t PoolStats::*count = &PoolStats::cacheMisses;
+    if (found.finished) {
+        if (const auto bytes = result(*found.finished)) {
+            job->setReuse(Reuse::hit);
+            (void)job->end({.result = *bytes, .facts = found.finished->snapshot().facts});
+            conclude(job);
+            count = &PoolStats::cacheHits;
+        } else {
+            return attach(job, task->input(), options, task->place(), true);
+        }
+    } else if (found.joined) {
+        job->setReuse(Reuse::collapsed);
+        count = &PoolStats::coalesced;
+    } else {
+        if (fresh) job->setReuse(Reuse::bypass);
+        queue_->push(task);
+    }
+    const std::lock_guard lock(mutex_);
+    if (!job->facts().key.empty()) ++(stats_.*count);
+}
+
+core::Result<void> JobPool::keep(const std::shared_ptr<Job>& job) {
+    job->makeDurable();
+    if (!storage_.jobs) return {};
+    for (const auto& task : tasks())
+        if (task->serves(*job))
+            if (const auto kept = keepBytes(*task->input()); !kept) return kept;
+    return save(*job);
+}
+
+/// Copies bytes that are only in memory into the store.
+core::Result<void> JobPool::keepBytes(const Blob& blob) {
+    if (blob.durable()) return {};
+    const auto bytes = blob.bytes();
+    if (const auto kept = storage_.blobs->put({bytes.begin(), bytes.end()}); !kept)
+        return fail(kept.error());
+    return {};
+}
+
+core::Result<void> JobPool::save(const Job& job) {
+    if (!storage_.jobs) return {};
+    // An older state must not be written over a newer one.
+    const std::lock_guard lock(saving_);
+    const JobRecord record = job.record();
+    if (const ResultPtr result = job.snapshot().result)
+        if (const auto kept = keepBytes(*result->blob); !kept) return kept;
+    return storage_.jobs->save(record);
+}
+
+core::Result<std::shared_ptr<Job>> JobPool::find(const std::string& owner,
+                                                 const std::string& id) const {
+    return index_.find(owner, id);
 }
 
 std::vector<std::shared_ptr<Job>> JobPool::list(const JobQuery& query) const {
-    return index_->list(query);
+    return index_.list(query);
 }
 
 proto::JobView JobPool::view(const Job& job) const {
-    proto::JobView view = job.snapshot().view;
-    if (view.state == JobState::queued) view.queuePosition = queue_->position(job);
+    proto::JobView view = job.view();
+    if (view.state != JobState::queued) return view;
+    const auto waiting = queue_->waiting();
+    for (std::size_t i = 0; i < waiting.size(); ++i)
+        if (waiting[i]->serves(job)) view.queuePosition = i;
     return view;
 }
 
+core::Result<ResultPtr> JobPool::result(Job& job) {
+    const JobSnapshot snapshot = job.snapshot();
+    if (snapshot.result) return snapshot.result;
+    if (!snapshot.view.hasResult || !storage_.blobs)
+        return fail(ErrorCode::expired, "the result of this job is no longer kept");
+    const JobRecord record = job.record();
+    auto blob = storage_.blobs->open(digestOf(record.resultSha256));
+    if (!blob) {
+        job.dropResult();
+        return fail(std::move(blob.error()));
+    }
+    auto result =
+        std::make_shared<const JobResult>(*std::move(blob), record.mediaType, record.extension);
+    job.restoreResult(result);
+    return result;
+}
+
 void JobPool::cancel(const std::shared_ptr<Job>& job) {
-    if (!job->cancel()) return;
-    queue_->remove(*job);
+    leave(job, {ErrorCode::cancelled, "the job was canceled"});
+}
+
+/// Ends a job before its run has; a run that nobody wants any more stops, or never starts.
+void JobPool::leave(const std::shared_ptr<Job>& job, const Error& reason) {
+    if (!job->end({.error = reason})) return;
+    for (const auto& task : tasks()) {
+        task->leave(*job);
+        if (!task->wanted()) queue_->remove(*task);
+    }
     conclude(job);
 }
 
-void JobPool::cancelAll() {
-    cancelling_ = true;  // for a job between the queue and `running_`
-    for (const auto& job : queue_->waiting()) cancel(job);
-    std::vector<std::shared_ptr<Job>> running;
-    {
-        const std::lock_guard lock(mutex_);
-        running = running_;
-    }
-    for (const auto& job : running) cancel(job);
+void JobPool::forget(const Job& job) { index_.forget(job.id()); }
+
+std::vector<std::shared_ptr<Task>> JobPool::tasks() const {
+    auto tasks = queue_->waiting();
+    const std::lock_guard lock(mutex_);
+    tasks.insert(tasks.end(), running_.begin(), running_.end());
+    return tasks;
 }
 
-void JobPool::work() {
-    while (const std::shared_ptr<Job> job = queue_->pop()) {
-        {
-            const std::lock_guard lock(mutex_);
-            running_.push_back(job);
-        }
-        const bool ended = cancelling_ ? job->cancel() : job->expire(Clock::now());
-        const bool started = !ended && job->start();
-        if (started) job->finish(run(*job));
-        {
-            const std::lock_guard lock(mutex_);
-            std::erase(running_, job);
-        }
-        if (ended || started) conclude(job);
-    }
+std::size_t JobPool::unfinished(const std::string& owner) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = unfinished_.find(owner);
+    return found == unfinished_.end() ? 0 : found->second;
 }
 
-/// Runs the engine; whatever it throws stays here.
-core::Result<core::Artifact> JobPool::run(Job& job) {
-    core::RunContext context;
-    context.threads = settings_.threadsPerJob;
-    context.limits = settings_.limits;
-    context.stopRequested = [&job] { return job.stopRequested(); };
-    context.stopReason = [&job] { return job.stopReason(); };
-    context.progress = [&job](core::Stage stage, double fraction) { job.report(stage, fraction); };
-    const core::ConversionOptions& options = job.options().conversion;
-    const Converter& convert = job.kind() == JobKind::convert ? engine_.convert : engine_.inspect;
-    try {
-        return convert(job.input(), options, proto::toJson(options), context);
-    } catch (const std::bad_alloc&) {
-        return fail(ErrorCode::memoryBudget, "the server has not enough memory for this grid");
-    } catch (const std::exception&) {
-        return fail(ErrorCode::internal, "the conversion failed");
-    }
+bool JobPool::isLeftToNextProcess(const Job& job) const {
+    return stopping_ && storage_.jobs && job.durable();
 }
 
-/// After a job has ended, however it did: counts it, keeps it for a while, frees its place.
-void JobPool::conclude(const std::shared_ptr<Job>& job) {
-    if (job->kind() == JobKind::convert) index_->ended(job);
-    const JobSnapshot snapshot = job->snapshot();
-    double seconds = 0;
-    {
-        const std::lock_guard lock(mutex_);
-        ++stats_.jobs[static_cast<std::size_t>(snapshot.view.state)];
-        if (snapshot.error && snapshot.error->code == ErrorCode::timedOut) ++stats_.timedOut;
-        stats_.queueSeconds += snapshot.times.queue / 1000;
-        for (std::size_t i = 0; i < core::kStageCount; ++i) {
-            stats_.stageSeconds[i] += snapshot.times.stages[i] / 1000;
-            seconds += snapshot.times.stages[i] / 1000;
-        }
-        if (snapshot.view.state == JobState::succeeded)
-            meanSeconds_ += 0.2 * (seconds - meanSeconds_);
-        untrimmed_ = true;
-    }
-    if (observer_) observer_(snapshot);
-    release();
-    job->announce();
-}
-
-void JobPool::tidy() {
-    std::unique_lock lock(mutex_);
-    while (!stop_.wait_for(lock, kTidyInterval, [&] { return stopping_; })) {
-        const bool trim = idle() && std::exchange(untrimmed_, false);
-        lock.unlock();
-        for (const auto& job : queue_->waiting()) {
-            if (!job->expire(Clock::now())) continue;
-            queue_->remove(*job);
-            conclude(job);
-        }
-        index_->sweep(Clock::now());
-        if (trim) malloc_trim(0);
-        lock.lock();
+void JobPool::stopAll() {
+    stopping_ = true;
+    for (const auto& task : tasks()) {
+        for (const auto& job : task->jobs())
+            if (!isLeftToNextProcess(*job))
+                leave(job, {ErrorCode::draining, "the server is stopping"});
+        task->abandon();
+        queue_->remove(*task);
     }
 }
 
@@ -198,10 +278,15 @@ std::chrono::seconds JobPool::retryAfter() const {
 
 PoolStats JobPool::stats() const {
     const std::size_t queued = queue_->waiting().size();
+    const auto now = Clock::now();
     const std::lock_guard lock(mutex_);
     PoolStats stats = stats_;
     stats.queued = queued;
     stats.running = running_.size();
+    for (const auto& task : running_)
+        stats.silence =
+            std::max(stats.silence,
+                     std::chrono::duration_cast<std::chrono::milliseconds>(now - task->lastPoll()));
     return stats;
 }
 

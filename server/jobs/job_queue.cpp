@@ -1,49 +1,55 @@
 #include "server/jobs/job_queue.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace rivage::server {
 
-void LocalJobQueue::push(std::shared_ptr<Job> job) {
-    {
-        const std::lock_guard lock(mutex_);
-        jobs_.push_back(std::move(job));
-    }
+void LocalJobQueue::push(std::shared_ptr<Task> task) {
+    const std::lock_guard lock(mutex_);
+    tasks_.push_back(std::move(task));
     changed_.notify_one();
 }
 
-std::shared_ptr<Job> LocalJobQueue::pop() {
+/// With the mutex held.
+bool LocalJobQueue::mayStart() const {
+    if (tasks_.empty() || suspectRuns_) return false;
+    return running_ == 0 || !tasks_.front()->suspect();
+}
+
+std::shared_ptr<Task> LocalJobQueue::pop() {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return closed_ || !jobs_.empty(); });
+    changed_.wait(lock, [&] { return closed_ || mayStart(); });
     if (closed_) return nullptr;
-    std::shared_ptr<Job> job = std::move(jobs_.front());
-    jobs_.pop_front();
-    return job;
+    std::shared_ptr<Task> task = std::move(tasks_.front());
+    tasks_.pop_front();
+    ++running_;
+    suspectRuns_ = task->suspect();
+    return task;
 }
 
-void LocalJobQueue::remove(const Job& job) {
+void LocalJobQueue::done(const Task& task) {
     const std::lock_guard lock(mutex_);
-    std::erase_if(jobs_, [&](const auto& other) { return other.get() == &job; });
+    --running_;
+    if (task.suspect()) suspectRuns_ = false;
+    changed_.notify_all();
 }
 
-std::optional<std::size_t> LocalJobQueue::position(const Job& job) const {
+bool LocalJobQueue::remove(const Task& task) {
     const std::lock_guard lock(mutex_);
-    for (std::size_t i = 0; i < jobs_.size(); ++i)
-        if (jobs_[i].get() == &job) return i;
-    return std::nullopt;
+    const auto removed =
+        std::erase_if(tasks_, [&](const auto& other) { return other.get() == &task; });
+    changed_.notify_all();
+    return removed > 0;
 }
 
-std::vector<std::shared_ptr<Job>> LocalJobQueue::waiting() const {
+std::vector<std::shared_ptr<Task>> LocalJobQueue::waiting() const {
     const std::lock_guard lock(mutex_);
-    return {jobs_.begin(), jobs_.end()};
+    return {tasks_.begin(), tasks_.end()};
 }
 
 void LocalJobQueue::close() {
-    {
-        const std::lock_guard lock(mutex_);
-        closed_ = true;
-    }
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
     changed_.notify_all();
 }
 

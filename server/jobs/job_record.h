@@ -30,6 +30,7 @@ struct JobRecord {
     std::optional<proto::WallTime> expires = {};
 
     std::string resultSha256 = {};  ///< hex; empty without a result
+    std::uint64_t resultBytes = 0;
     std::string mediaType = {};
     std::string extension = {};
     std::string report = {};  ///< JSON; empty unless it succeeded

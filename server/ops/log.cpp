@@ -73,18 +73,18 @@ void logRequest(const RequestRecord& record) {
     write(record.status >= 500 ? spdlog::level::warn : spdlog::level::info, "request", facts);
 }
 
-void logJob(const JobSnapshot& job) {
+void logJob(const JobFacts& about, const JobSnapshot& job) {
     double milliseconds = 0;
     for (const double stage : job.times.stages) milliseconds += stage;
     proto::Json facts{{"job", job.view.id},
-                      {"id", job.requestId},
+                      {"id", about.requestId},
                       {"state", proto::stateName(job.view.state)},
                       {"queue_ms", rounded(job.times.queue)},
                       {"ms", rounded(milliseconds)},
-                      {"voxels", job.voxels},
-                      {"surfels", job.surfels},
-                      {"input_bytes", job.inputBytes},
-                      {"bytes", job.result ? job.result->bytes.size() : 0}};
+                      {"voxels", job.facts ? job.facts->voxels : 0},
+                      {"surfels", job.facts ? job.facts->surfels : 0},
+                      {"input_bytes", about.inputBytes},
+                      {"bytes", job.result ? job.result->size() : 0}};
     if (job.error) facts["problem"] = proto::problemType(job.error->code).slug;
     const bool ours = job.error && job.error->code == core::ErrorCode::internal;
     if (ours) facts["detail"] = job.error->message;

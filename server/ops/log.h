@@ -20,6 +20,6 @@ void logWarning(const std::string& event, const proto::Json& facts);
 void logRequest(const RequestRecord& record);
 
 /// The line of one job that has ended.
-void logJob(const JobSnapshot& job);
+void logJob(const JobFacts& facts, const JobSnapshot& job);
 
 }  // namespace rivage::server

@@ -118,7 +118,7 @@ TestServer::TestServer(const TestSettings& settings) {
 }
 
 TestServer::~TestServer() {
-    pool->cancelAll();
+    pool->stopAll();
     http->stop();
     admin->stop();
 }

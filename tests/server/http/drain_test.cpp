@@ -21,9 +21,9 @@ TEST_CASE("drain: unready at once, no new jobs, what was accepted is answered") 
     std::vector<std::thread> waiting;
     std::atomic<int> answered{0};
     for (int i = 0; i < 3; ++i)
-        waiting.emplace_back([&] {
+        waiting.emplace_back([&, i] {
             auto client = server.client();
-            const auto result = client.Post("/v1/regularize", "slow", kBytes);
+            const auto result = client.Post("/v1/regularize", "slow" + std::to_string(i), kBytes);
             CHECK(result);
             if (result) CHECK(result->status == 200);
             if (result && result->status == 200) ++answered;

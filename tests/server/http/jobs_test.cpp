@@ -55,7 +55,7 @@ TEST_CASE("jobs: state, place and result while it waits and runs") {
     auto client = server.client();
     const std::string running = submit(client, "slow");
     REQUIRE(server.waitRunning(1));
-    const std::string waiting = submit(client, "slow");
+    const std::string waiting = submit(client, "slow 2");
     CHECK(bodyOf(client.Get(running))["state"] == "running");
     CHECK(bodyOf(client.Get(running))["queue_position"].is_null());
     CHECK(bodyOf(client.Get(waiting))["state"] == "queued");
@@ -72,7 +72,7 @@ TEST_CASE("jobs: DELETE cancels what waits and what runs; its result is the prob
     const TestServer server({.workers = 1, .queueLimit = 8});
     auto client = server.client();
     const std::string running = submit(client, "slow");
-    const std::string waiting = submit(client, "slow");
+    const std::string waiting = submit(client, "slow 2");
     REQUIRE(server.waitRunning(1));
     CHECK(client.Delete(waiting)->status == 204);
     CHECK(client.Delete(running)->status == 204);
@@ -155,7 +155,7 @@ TEST_CASE("jobs: the list is newest first, by state, in pages") {
     const TestServer server;
     auto client = server.client();
     std::vector<std::string> paths;
-    for (const char* grid : {"ok", "empty", "ok"}) {
+    for (const char* grid : {"ok", "empty", "ok 2"}) {
         paths.push_back(submit(client, grid));
         waitFor(client, paths.back());
     }

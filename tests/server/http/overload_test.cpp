@@ -43,7 +43,8 @@ TEST_CASE("overload: health answers while every worker is busy") {
     TestServer server({.workers = 2, .queueLimit = 2});
     auto client = server.client();
     for (int i = 0; i < 4; ++i)
-        REQUIRE(client.Post("/v1/jobs", "slow", "application/octet-stream")->status == 202);
+        REQUIRE(client.Post("/v1/jobs", "slow" + std::to_string(i), "application/octet-stream")
+                    ->status == 202);
     auto admin = server.adminClient();
     CHECK(admin.Get("/livez")->status == 200);
     CHECK(admin.Get("/readyz")->status == 200);

@@ -27,7 +27,8 @@ struct Fixture {
     JobPool pool;
 
     explicit Fixture(PoolSettings settings = {.workers = 2, .queueLimit = 4})
-        : pool(settings, test::fakeEngine(gate), [this](const JobSnapshot&) { ++observed; }) {}
+        : pool(settings, test::fakeEngine(gate),
+               [this](const JobFacts&, const JobSnapshot&) { ++observed; }) {}
 
     std::shared_ptr<Job> submit(const std::string& text) {
         auto ticket = pool.admit();
@@ -54,17 +55,17 @@ TEST_CASE("JobPool: a job runs and is found with its result") {
     Fixture fixture;
     const auto job = fixture.submit("ok");
     REQUIRE(job->waitEnded(5s));
-    CHECK(job->snapshot().result->bytes.size() == std::string("asset of ok").size());
-    REQUIRE(fixture.pool.find(job->id()));
-    CHECK(*fixture.pool.find(job->id()) == job);
+    CHECK(job->snapshot().result->size() == std::string("asset of ok").size());
+    REQUIRE(fixture.pool.find("", job->id()));
+    CHECK(*fixture.pool.find("", job->id()) == job);
     CHECK(fixture.observed == 1);
-    CHECK(fixture.pool.idle());
+    fixture.waitIdle();
 }
 
 TEST_CASE("JobPool: workers and queue full: busy at once, free again when a job ends") {
     Fixture fixture;
     std::vector<std::shared_ptr<Job>> jobs;
-    for (int i = 0; i < 6; ++i) jobs.push_back(fixture.submit("slow"));
+    for (int i = 0; i < 6; ++i) jobs.push_back(fixture.submit("slow" + std::to_string(i)));
     const auto refused = fixture.pool.admit();
     REQUIRE_FALSE(refused);
     CHECK(refused.error().code == ErrorCode::busy);
@@ -72,6 +73,7 @@ TEST_CASE("JobPool: workers and queue full: busy at once, free again when a job 
     CHECK(refused.error().setting == "--queue-limit");
     fixture.gate.open = true;
     for (const auto& job : jobs) REQUIRE(job->waitEnded(5s));
+    fixture.waitIdle();
     CHECK(fixture.pool.admit());
     CHECK(fixture.pool.stats().rejectedFull == 1);
     CHECK(fixture.pool.stats().jobs[static_cast<std::size_t>(JobState::succeeded)] == 6);
@@ -91,8 +93,8 @@ TEST_CASE("JobPool: positions in the queue count from the next") {
     Fixture fixture({.workers = 1, .queueLimit = 4});
     const auto running = fixture.submit("slow");
     fixture.waitStarted(1);
-    const auto next = fixture.submit("slow");
-    const auto last = fixture.submit("slow");
+    const auto next = fixture.submit("slow 2");
+    const auto last = fixture.submit("slow 3");
     CHECK_FALSE(fixture.pool.view(*running).queuePosition);
     CHECK(fixture.pool.view(*next).queuePosition == 0);
     CHECK(fixture.pool.view(*last).queuePosition == 1);
@@ -102,14 +104,15 @@ TEST_CASE("JobPool: cancelling frees the worker, and takes a waiting job out of 
     Fixture fixture({.workers = 1, .queueLimit = 4});
     const auto running = fixture.submit("slow");
     fixture.waitStarted(1);
-    const auto waiting = fixture.submit("slow");
+    const auto waiting = fixture.submit("slow 2");
     fixture.pool.cancel(waiting);
     CHECK(waiting->waitEnded(0ms));
     const auto before = Clock::now();
     fixture.pool.cancel(running);
     REQUIRE(running->waitEnded(5s));
-    CHECK(Clock::now() - before < 250ms);
     CHECK(running->state() == JobState::canceled);
+    while (fixture.gate.running > 0) std::this_thread::sleep_for(1ms);
+    CHECK(Clock::now() - before < 250ms);
     REQUIRE(fixture.submit("ok")->waitEnded(5s));
     CHECK(fixture.gate.started == 2);
     CHECK(fixture.observed == 3);
@@ -144,7 +147,7 @@ TEST_CASE("reject: a deadline above the server's") {
     REQUIRE_FALSE(job);
     CHECK(job.error().code == ErrorCode::invalidOption);
     CHECK(job.error().limit == 50);
-    CHECK(fixture.pool.idle());
+    fixture.waitIdle();
 }
 
 TEST_CASE("JobPool: what the engine throws fails the job, not the worker") {
@@ -175,9 +178,9 @@ TEST_CASE("JobPool: destroyed with jobs running and waiting, it ends soon and cl
     std::vector<std::shared_ptr<Job>> jobs;
     {
         Fixture fixture;
-        for (int i = 0; i < 6; ++i) jobs.push_back(fixture.submit("slow"));
+        for (int i = 0; i < 6; ++i) jobs.push_back(fixture.submit("slow" + std::to_string(i)));
     }
-    for (const auto& job : jobs) CHECK(job->state() == JobState::canceled);
+    for (const auto& job : jobs) CHECK(job->snapshot().error->code == ErrorCode::draining);
 }
 
 TEST_CASE("JobPool: inspections are neither listed nor found") {
@@ -187,7 +190,7 @@ TEST_CASE("JobPool: inspections are neither listed nor found") {
     const auto job = *fixture.pool.submit(*fixture.pool.admit(), std::move(look));
     REQUIRE(job->waitEnded(5s));
     CHECK(job->snapshot().result->mediaType == "application/json");
-    CHECK_FALSE(fixture.pool.find(job->id()));
+    CHECK_FALSE(fixture.pool.find("", job->id()));
     CHECK(fixture.pool.list({}).empty());
 }
 
@@ -200,7 +203,8 @@ TEST_CASE("JobPool: submitted, cancelled and listed from many threads, every job
             for (int i = 0; i < 50; ++i) {
                 auto ticket = fixture.pool.admit();
                 if (!ticket) continue;
-                const auto job = fixture.pool.submit(*std::move(ticket), request("ok"));
+                const std::string grid = "ok" + std::to_string(i % 7);
+                const auto job = fixture.pool.submit(*std::move(ticket), request(grid));
                 ++accepted;
                 if ((i + t) % 3 == 0) fixture.pool.cancel(*job);
                 (void)fixture.pool.list({});
@@ -213,6 +217,81 @@ TEST_CASE("JobPool: submitted, cancelled and listed from many threads, every job
     const PoolStats stats = fixture.pool.stats();
     CHECK(stats.jobs[2] + stats.jobs[3] + stats.jobs[4] ==
           static_cast<std::uint64_t>(accepted.load()));
+}
+
+TEST_CASE("JobPool: identical jobs at once are run once, later ones not at all") {
+    Fixture fixture({.workers = 2, .queueLimit = 4});
+    std::vector<std::shared_ptr<Job>> jobs;
+    for (int i = 0; i < 100; ++i) jobs.push_back(fixture.submit("slow"));
+    fixture.gate.open = true;
+    for (const auto& job : jobs) REQUIRE(job->waitEnded(5s));
+    jobs.push_back(fixture.submit("slow"));
+    CHECK(fixture.gate.started == 1);
+    CHECK(jobs[0]->snapshot().reuse == Reuse::none);
+    CHECK(jobs[99]->snapshot().reuse == Reuse::collapsed);
+    CHECK(jobs[100]->snapshot().reuse == Reuse::hit);
+    for (const auto& job : jobs) CHECK(job->snapshot().result == jobs[0]->snapshot().result);
+    CHECK(fixture.pool.stats().coalesced == 99);
+    CHECK(fixture.pool.stats().cacheHits == 1);
+    CHECK(fixture.observed == 101);
+}
+
+TEST_CASE("JobPool: another grid, other options, another owner or no-cache is another run") {
+    Fixture fixture;
+    REQUIRE(fixture.submit("ok")->waitEnded(5s));
+    auto other = request("ok");
+    other.options.conversion.output.voxelSize = 3;
+    auto foreign = request("ok");
+    foreign.owner = "bob";
+    auto fresh = request("ok");
+    fresh.fresh = true;
+    for (auto& next : {other, foreign, fresh}) {
+        const auto job = *fixture.pool.submit(*fixture.pool.admit(), next);
+        REQUIRE(job->waitEnded(5s));
+        CHECK(job->snapshot().reuse == (next.fresh ? Reuse::bypass : Reuse::none));
+        fixture.waitIdle();
+    }
+    CHECK(fixture.gate.started == 4);
+}
+
+TEST_CASE("JobPool: a run goes on as long as one of its jobs is wanted") {
+    Fixture fixture({.workers = 1, .queueLimit = 4});
+    const auto first = fixture.submit("slow");
+    const auto second = fixture.submit("slow");
+    fixture.waitStarted(1);
+    fixture.pool.cancel(first);
+    CHECK(first->state() == JobState::canceled);
+    CHECK(second->state() == JobState::running);
+    CHECK(fixture.gate.running == 1);
+    fixture.pool.cancel(second);
+    fixture.waitIdle();
+    const auto third = fixture.submit("slow");
+    fixture.waitStarted(2);
+    fixture.gate.open = true;
+    REQUIRE(third->waitEnded(5s));
+    CHECK(third->state() == JobState::succeeded);
+}
+
+TEST_CASE("JobPool: a forgotten result is made again; a failure is not kept") {
+    Fixture fixture;
+    const auto job = fixture.submit("ok");
+    REQUIRE(job->waitEnded(5s));
+    fixture.pool.forget(*job);
+    REQUIRE(fixture.submit("ok")->waitEnded(5s));
+    CHECK(fixture.gate.started == 2);
+    for (int i = 0; i < 2; ++i) {
+        REQUIRE(fixture.submit("bad")->waitEnded(5s));
+        fixture.waitIdle();
+    }
+    CHECK(fixture.gate.started == 4);
+}
+
+TEST_CASE("reject: more jobs that have not ended than are kept") {
+    Fixture fixture({.workers = 1, .queueLimit = 4, .store = {.jobs = 3}});
+    for (int i = 0; i < 3; ++i) fixture.submit("slow");
+    const auto refused = fixture.pool.submit(*fixture.pool.admit(), request("slow"));
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().setting == "--kept-jobs");
 }
 
 TEST_SUITE_END();

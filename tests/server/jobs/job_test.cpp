@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <memory>
+
 using namespace rivage;
 using namespace rivage::server;
 using core::ErrorCode;
@@ -11,100 +13,126 @@ using namespace std::chrono_literals;
 
 namespace {
 
-Job makeJob(std::chrono::milliseconds time = 10s) {
-    JobRequest request;
-    request.input.resize(7);
-    return {"id", std::move(request), Clock::now() + time};
+std::unique_ptr<Job> makeJob() {
+    JobFacts facts;
+    facts.id = "id";
+    facts.inputBytes = 7;
+    facts.options = R"({"alpha":0.5})";
+    return std::make_unique<Job>(std::move(facts), Clock::now() + 10s);
 }
 
-core::Artifact artifact() { return {{3, std::byte{1}}, "model/obj", "obj", {}}; }
+RunOutcome success() {
+    MemoryBlobStore store;
+    auto facts = std::make_shared<RunFacts>();
+    facts->report = R"({"input":{}})";
+    facts->stages[0] = 5;
+    return {
+        .result = std::make_shared<JobResult>(*store.put({3, std::byte{1}}), "model/obj", "obj"),
+        .facts = facts};
+}
+
+RunOutcome failure(ErrorCode code) { return {.error = core::Error{code, "why"}}; }
 
 }  // namespace
 
 TEST_SUITE_BEGIN("server/jobs");
 
 TEST_CASE("Job: queued, running, succeeded, with all that belongs to it") {
-    Job job = makeJob();
-    CHECK(job.state() == JobState::queued);
-    REQUIRE(job.start());
-    CHECK(job.input().size() == 7);
-    job.report(Stage::parse, 0);
-    job.report(Stage::solve, 0.5);
-    const JobSnapshot running = job.snapshot();
-    CHECK(running.view.stage == Stage::solve);
-    CHECK(running.view.progress > 0.2);
+    const auto job = makeJob();
+    CHECK(job->state() == JobState::queued);
+    REQUIRE(job->start());
+    job->advance(Stage::parse, 0.1);
+    job->advance(Stage::solve, 0.5);
+    job->advance(Stage::parse, 0.2);
+    const JobSnapshot running = job->snapshot();
+    CHECK(running.view.progress == 0.5);
     CHECK(running.view.attempt == 1);
-    job.report(Stage::parse, 1);
-    CHECK(job.snapshot().view.progress == running.view.progress);
 
-    job.finish(artifact());
-    const JobSnapshot done = job.snapshot();
+    REQUIRE(job->end(success()));
+    const JobSnapshot done = job->snapshot();
     CHECK(done.view.state == JobState::succeeded);
     CHECK(done.view.progress == 1);
     CHECK(done.view.hasResult);
-    CHECK(done.result->fileName == "rivage.obj");
     CHECK(done.result->etag.size() == 66);
-    CHECK(done.inputBytes == 7);
-    CHECK(done.view.report.is_object());
-    CHECK(job.input().empty());
+    CHECK(done.times.stages[0] == 5);
+    CHECK(job->view().report.is_object());
+    CHECK(job->view().options["alpha"] == 0.5);
+}
+
+TEST_CASE("Job: the first end counts, whatever comes later") {
+    const auto job = makeJob();
+    REQUIRE(job->start());
+    CHECK(job->end(failure(ErrorCode::cancelled)));
+    CHECK(job->state() == JobState::canceled);
+    CHECK_FALSE(job->end(success()));
+    CHECK_FALSE(job->start());
+    CHECK(job->state() == JobState::canceled);
+    CHECK_FALSE(job->snapshot().result);
+    CHECK(job->snapshot().view.error->instance == "/v1/jobs/id");
 }
 
 TEST_CASE("Job: the end wakes nobody before it is announced") {
-    Job job = makeJob();
-    REQUIRE(job.start());
-    job.finish(artifact());
-    CHECK_FALSE(job.waitEnded(1ms));
-    job.announce();
-    CHECK(job.waitEnded(0ms));
+    const auto job = makeJob();
+    REQUIRE(job->end(success()));
+    CHECK_FALSE(job->waitEnded(1ms));
+    job->announce();
+    CHECK(job->waitEnded(0ms));
 }
 
-TEST_CASE("Job: cancelled while it waits, it ends at once and never starts") {
-    Job job = makeJob();
-    CHECK(job.cancel());
-    CHECK(job.state() == JobState::canceled);
-    CHECK_FALSE(job.start());
-    CHECK_FALSE(job.cancel());
-    CHECK(job.snapshot().error->code == ErrorCode::cancelled);
+TEST_CASE("Job: only the last waiter of a job that nobody was promised cancels it") {
+    const auto job = makeJob();
+    job->addWaiter();
+    job->addWaiter();
+    CHECK_FALSE(job->removeWaiter());
+    CHECK(job->removeWaiter());
+    job->makeDurable();
+    job->addWaiter();
+    CHECK_FALSE(job->removeWaiter());
 }
 
-TEST_CASE("Job: cancelled while it runs, cancellation wins over success") {
-    Job job = makeJob();
-    REQUIRE(job.start());
-    CHECK_FALSE(job.cancel());
-    CHECK(job.stopRequested());
-    CHECK(job.stopReason() == ErrorCode::cancelled);
-    job.finish(artifact());
-    CHECK(job.state() == JobState::canceled);
-    CHECK_FALSE(job.snapshot().result);
+TEST_CASE("Job: events have increasing ids and are replayed from where a client was") {
+    const auto job = makeJob();
+    job->advanceInQueue(1);
+    REQUIRE(job->start());
+    for (const Stage stage : {Stage::parse, Stage::surface, Stage::solve}) job->advance(stage, 0.1);
+    const auto all = job->waitEvents(0, 0ms);
+    REQUIRE(all.size() == 5);
+    for (std::size_t i = 0; i < all.size(); ++i) CHECK(all[i].id == i + 1);
+    CHECK(all[0].data == R"({"state":"queued","stage":null,"progress":0.0,"queue_position":1})");
+    CHECK(job->waitEvents(3, 0ms).front().id == 4);
+    CHECK(job->waitEvents(5, 1ms).empty());
+    for (int i = 0; i < 300; ++i) job->advance(i % 2 ? Stage::mesh : Stage::write, 0.2);
+    CHECK(job->waitEvents(0, 0ms).size() == 256);
+    CHECK(job->waitEvents(0, 0ms).back().id == 305);
 }
 
-TEST_CASE("Job: the deadline stops it while it runs and ends it while it waits") {
-    Job running = makeJob(0ms);
-    REQUIRE(running.start());
-    CHECK(running.stopRequested());
-    CHECK(running.stopReason() == ErrorCode::timedOut);
-    CHECK_FALSE(running.expire(Clock::now()));
-
-    Job waiting = makeJob(1ms);
-    CHECK_FALSE(waiting.expire(Clock::now() - 1s));
-    CHECK(waiting.expire(Clock::now() + 1s));
-    CHECK(waiting.state() == JobState::failed);
-    CHECK(waiting.snapshot().view.error->type.status == 504);
+TEST_CASE("Job: a preview is there while it runs") {
+    const auto job = makeJob();
+    REQUIRE(job->start());
+    CHECK_FALSE(job->preview());
+    job->offer({4, 2.5, success().result});
+    CHECK(job->preview()->step == 4);
+    CHECK(job->waitEvents(1, 0ms).front().name == "preview");
+    REQUIRE(job->end(success()));
+    CHECK_FALSE(job->preview());
 }
 
-TEST_CASE("Job: the time of each stage is its own") {
-    Job job = makeJob();
-    REQUIRE(job.start());
-    job.report(Stage::parse, 0);
-    job.report(Stage::mesh, 0);
-    const auto until = Clock::now() + 5ms;
-    while (Clock::now() < until) {
-    }
-    job.report(Stage::write, 0);
-    job.finish(artifact());
-    const JobTimes times = job.snapshot().times;
-    CHECK(times.stages[static_cast<std::size_t>(Stage::mesh)] >= 5);
-    CHECK(times.stages[static_cast<std::size_t>(Stage::solve)] == 0);
+TEST_CASE("Job: its record gives it back, ended or queued again") {
+    const auto job = makeJob();
+    REQUIRE(job->start());
+    const Job again(job->record(), Clock::now() + 10s);
+    CHECK(again.state() == JobState::queued);
+    CHECK(again.snapshot().view.attempt == 1);
+    CHECK_FALSE(again.announced());
+
+    REQUIRE(job->end(success()));
+    const Job ended(job->record(), Clock::now());
+    CHECK(ended.announced());
+    CHECK(ended.state() == JobState::succeeded);
+    CHECK(ended.snapshot().view.hasResult);
+    CHECK(ended.view().report.is_object());
+    CHECK(ended.record().resultSha256 == job->record().resultSha256);
+    CHECK(ended.record().resultBytes == 3);
 }
 
 TEST_SUITE_END();

@@ -1,0 +1,189 @@
+#include <utility>
+
+#include "server/http/job_answers.h"
+#include "server/http/prefer.h"
+#include "server/http/routes.h"
+#include "server/http/upload.h"
+#include "server/jobs/idempotency.h"
+
+namespace rivage::server {
+namespace {
+
+using core::ErrorCode;
+
+/// How often a waiting request looks whether its client is still there.
+constexpr std::chrono::milliseconds kPollInterval{50};
+
+/// Query parameters are options, whatever their name.
+std::vector<proto::OptionText> queryOptions(const httplib::Request& request) {
+    std::vector<proto::OptionText> options;
+    for (const auto& [name, value] : request.params) options.push_back({name, value});
+    return options;
+}
+
+/// Reads grid and options. What can be refused before the body is read, is.
+Answer<JobRequest> readRequest(Exchange& exchange, JobKind kind) {
+    const auto query = queryOptions(exchange.request);
+    const bool form = exchange.request.is_multipart_form_data();
+    auto options = form ? proto::JobOptions{} : proto::parseOptions(query);
+    if (!options) return problem(options.error());
+
+    auto upload = readUpload(exchange);
+    if (!upload) return tl::unexpected(upload.error());
+    if (form) options = proto::parseOptions(query, upload->options);
+    if (!options) return problem(options.error());
+
+    JobRequest request{kind, std::move(upload->grid), *std::move(options)};
+    if (!upload->name.empty()) request.name = std::move(upload->name);
+    request.owner = exchange.owner;
+    request.requestId = exchange.response.get_header_value("X-Request-ID");
+    const std::string cache = exchange.request.get_header_value("Cache-Control");
+    request.fresh = cache.find("no-cache") != std::string::npos;
+    return request;
+}
+
+/// The job of an earlier request with the same idempotency key, if this is the same request.
+Answer<std::shared_ptr<Job>> replay(Exchange& exchange, const std::shared_ptr<Job>& job,
+                                    const JobRequest& request) {
+    if (job->facts().inputSha256 != sha256(request.input).hex ||
+        job->facts().options != proto::writeJson(proto::toJson(request.options)))
+        return problem({ErrorCode::keyReused,
+                        "the Idempotency-Key came first with another grid or other options",
+                        "/headers/idempotency-key"});
+    exchange.response.set_header("Idempotent-Replayed", "true");
+    return job;
+}
+
+/// RFC 9211: whether the answer was made for this request.
+const char* cacheStatus(Reuse reuse) {
+    switch (reuse) {
+        case Reuse::none: return "rivage; fwd=miss";
+        case Reuse::collapsed: return "rivage; fwd=miss; collapsed";
+        case Reuse::hit: return "rivage; hit";
+        case Reuse::bypass: return "rivage; fwd=request";
+    }
+    return "rivage";
+}
+
+/// Reads the request and hands the job over, or finds the one that it has made before.
+Answer<std::shared_ptr<Job>> acceptJob(Exchange& exchange, JobKind kind, bool durable) {
+    JobPool& pool = exchange.service.pool;
+    IdempotencyKeys::Lookup known;
+    std::string key;
+    if (kind == JobKind::convert && exchange.request.has_header("Idempotency-Key")) {
+        auto read = readIdempotencyKey(exchange.request.get_header_value("Idempotency-Key"));
+        if (!read) return problem(read.error());
+        key = *std::move(read);
+        auto lookup = pool.idempotency().claim(exchange.owner, key);
+        if (!lookup) return problem(lookup.error());
+        known = *std::move(lookup);
+    }
+    auto request = readRequest(exchange, kind);
+    if (!request) return tl::unexpected(request.error());
+    request->idempotencyKey = key;
+    request->durable = durable;
+    Answer<std::shared_ptr<Job>> job;
+    if (known.job) {
+        job = replay(exchange, known.job, *request);
+    } else {
+        auto* ticket = exchange.response.user_data.get<std::shared_ptr<JobPool::Ticket>>("ticket");
+        auto submitted = pool.submit(std::move(**ticket), *std::move(request));
+        if (!submitted) return problem(submitted.error());
+        job = *std::move(submitted);
+        known.claim.settle(*job);
+    }
+    if (!job || kind != JobKind::convert) return job;
+    exchange.response.set_header("Rivage-Job", (*job)->id());
+    exchange.response.set_header("Cache-Status", cacheStatus((*job)->snapshot().reuse));
+    return job;
+}
+
+/// Counts among those who wait for a job, as long as it lives.
+class Waiting {
+public:
+    explicit Waiting(const std::shared_ptr<Job>& job) : job_(job) { job_->addWaiter(); }
+    ~Waiting() {
+        if (!left_) (void)job_->removeWaiter();
+    }
+    Waiting(const Waiting&) = delete;
+    Waiting& operator=(const Waiting&) = delete;
+    /// The client has left. @return whether nobody wants the job any more
+    [[nodiscard]] bool leave() {
+        left_ = true;
+        return job_->removeWaiter();
+    }
+
+private:
+    const std::shared_ptr<Job> job_;
+    bool left_ = false;
+};
+
+/// Waits for the end of a job; if its last client leaves meanwhile, that cancels it.
+/// @return false if the client has left
+bool waitWhileWatched(Exchange& exchange, const std::shared_ptr<Job>& job,
+                      Clock::time_point until) {
+    Waiting waiting(job);
+    while (!job->waitEnded(kPollInterval)) {
+        if (exchange.request.is_connection_closed()) {
+            if (waiting.leave()) exchange.service.pool.cancel(job);
+            exchange.response.status = kClientClosed;
+            return false;
+        }
+        if (Clock::now() >= until || (exchange.service.stopping && job->durable())) break;
+    }
+    return true;
+}
+
+/// 202 for a job that was not meant to outlive its request: from now on it is.
+void writePromise(Exchange& exchange, const std::shared_ptr<Job>& job) {
+    if (const auto kept = exchange.service.pool.keep(job); !kept) {
+        exchange.service.pool.cancel(job);
+        return writeError(exchange, kept.error());
+    }
+    writeAccepted(exchange, *job);
+}
+
+}  // namespace
+
+/// POST /v1/regularize -> 200 artifact | 202 job | a problem
+void postRegularize(Exchange& exchange) {
+    const Prefer prefer = parsePrefer(exchange.request.get_header_value("Prefer"));
+    if (const std::string applied = prefer.applied(); !applied.empty())
+        exchange.response.set_header("Preference-Applied", applied);
+    const bool atOnce = prefer.wait ? prefer.wait->count() == 0 : prefer.respondAsync;
+    const auto job = acceptJob(exchange, JobKind::convert, atOnce);
+    if (!job) return writeProblem(exchange, job.error());
+
+    const auto now = Clock::now();
+    const auto until = atOnce ? now : prefer.wait ? now + *prefer.wait : Clock::time_point::max();
+    if (!atOnce && !waitWhileWatched(exchange, *job, until)) return;
+    if ((*job)->announced())
+        (void)writeOutcome(exchange, **job);
+    else
+        writePromise(exchange, *job);
+}
+
+/// POST /v1/jobs -> 202 job + Location | a problem
+void postJob(Exchange& exchange) {
+    const auto job = acceptJob(exchange, JobKind::convert, true);
+    if (!job) return writeProblem(exchange, job.error());
+    writeAccepted(exchange, **job);
+}
+
+/// POST /v1/inspect -> 200 inspection | a problem
+void postInspect(Exchange& exchange) {
+    const auto job = acceptJob(exchange, JobKind::inspect, false);
+    if (!job) return writeProblem(exchange, job.error());
+    if (!waitWhileWatched(exchange, *job, Clock::time_point::max())) return;
+    const JobSnapshot snapshot = (*job)->snapshot();
+    exchange.response.set_header("Server-Timing", serverTiming(snapshot.times));
+    if (snapshot.view.error) {
+        proto::Problem problem = *snapshot.view.error;
+        problem.instance.clear();
+        return writeProblem(exchange, problem);
+    }
+    exchange.response.status = 200;
+    writeBytes(exchange.response, snapshot.result);
+}
+
+}  // namespace rivage::server
