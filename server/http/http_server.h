@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "core/base/result.h"
-#include "server/http/address.h"
+#include "server/net/address.h"
 #include "server/http/service.h"
 
 namespace rivage::server {

@@ -7,7 +7,7 @@
 
 #include "core/base/run_context.h"
 #include "proto/job.h"
-#include "server/http/address.h"
+#include "server/net/address.h"
 #include "server/jobs/job_pool.h"
 
 namespace rivage::server {

@@ -1,4 +1,4 @@
-#include "server/http/address.h"
+#include "server/net/address.h"
 
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -73,6 +73,10 @@ core::Result<void> clearStaleSocket(const std::string& path) {
     if (somebodyListens(path)) return fail(ErrorCode::busy, "another server listens at " + path);
     ::unlink(path.c_str());
     return {};
+}
+
+void removeSocketFile(const Address& address) {
+    if (address.isUnix()) ::unlink(address.path.c_str());
 }
 
 }  // namespace rivage::server

@@ -25,4 +25,7 @@ core::Result<Address> parseAddress(const std::string& text);
 /// @errors busy if somebody listens there; invalidOption if the path is something else
 core::Result<void> clearStaleSocket(const std::string& path);
 
+/// Removes the file of a Unix socket; nothing for other addresses.
+void removeSocketFile(const Address& address);
+
 }  // namespace rivage::server

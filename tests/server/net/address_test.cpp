@@ -1,4 +1,4 @@
-#include "server/http/address.h"
+#include "server/net/address.h"
 
 #include <doctest/doctest.h>
 #include <sys/stat.h>
@@ -37,7 +37,7 @@ void leaveDeadSocket(const std::string& path) {
 
 }  // namespace
 
-TEST_SUITE_BEGIN("server/http");
+TEST_SUITE_BEGIN("server/net");
 
 TEST_CASE("parseAddress: host and port, IPv6, Unix sockets") {
     CHECK(parseAddress("127.0.0.1:8080")->url() == "http://127.0.0.1:8080");
