@@ -80,6 +80,7 @@ class DiskBlob final : public Blob {
 public:
     DiskBlob(Digest digest, FileBytes file) : Blob(std::move(digest)), file_(std::move(file)) {}
     [[nodiscard]] std::span<const std::byte> bytes() const override { return file_.bytes(); }
+    [[nodiscard]] bool durable() const override { return true; }
 
 private:
     const FileBytes file_;

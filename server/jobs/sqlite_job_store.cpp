@@ -41,6 +41,7 @@ void eachField(Record& record, Visit&& visit) {
     visit("finished", record.finished);
     visit("expires", record.expires);
     visit("result_sha256", record.resultSha256);
+    visit("result_bytes", record.resultBytes);
     visit("media_type", record.mediaType);
     visit("extension", record.extension);
     visit("report", record.report);
