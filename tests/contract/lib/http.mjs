@@ -94,17 +94,21 @@ export class Connection {
   get pending() { return this.#buffer.length; }
   get ended() { return this.#ended; }
 
-  // Status line and header fields of the next answer, with the 1xx answers before it.
+  // Status line and header fields of what comes next, which may be a 1xx answer.
+  async anyHead() {
+    const line = await this.takeLine('status line');
+    const match = /^HTTP\/1\.1 ([1-5]\d\d) [ -~]*$/.exec(line);
+    assert.ok(match, `a status line: ${JSON.stringify(line)}`);
+    return {status: Number(match[1]), headers: await this.#headers(), informational: []};
+  }
+
+  // The same of the next final answer, with the 1xx answers before it.
   async head() {
     const informational = [];
     for (;;) {
-      const line = await this.takeLine('status line');
-      const match = /^HTTP\/1\.1 ([1-5]\d\d) [ -~]*$/.exec(line);
-      assert.ok(match, `a status line: ${JSON.stringify(line)}`);
-      const status = Number(match[1]);
-      const headers = await this.#headers();
-      if (status >= 200) return {status, headers, informational};
-      informational.push(status);
+      const head = await this.anyHead();
+      if (head.status >= 200) return {...head, informational};
+      informational.push(head.status);
     }
   }
 

@@ -41,6 +41,16 @@ export function writeFile(folder, name, text) {
 
 const portOf = (url) => Number(new URL(url).port);
 
+// Asks again until `look` gives something; for what a server does not announce.
+export async function eventually(look, what) {
+  for (const limit = Date.now() + kPatience; Date.now() < limit;) {
+    const found = await look();
+    if (found) return found;
+    await new Promise((resolve) => setTimeout(resolve, 5));
+  }
+  throw new Error(`it never came to this: ${what}`);
+}
+
 export class Server {
   #out = '';
   #lines = [];
@@ -170,13 +180,16 @@ export class Server {
   }
 
   // Waits until a job is in a state that it must pass through.
-  async inState(path, state, options = {}) {
-    for (const limit = Date.now() + kPatience; Date.now() < limit;) {
+  inState(path, state, options = {}) {
+    return eventually(async () => {
       const job = (await this.get(path, options)).json;
-      if (job.state === state) return job;
-      await new Promise((resolve) => setTimeout(resolve, 5));
-    }
-    throw new Error(`${path} is never ${state}`);
+      return job.state === state && job;
+    }, `${path} is ${state}`);
+  }
+
+  // The paths of the jobs in a state.
+  async jobsIn(state) {
+    return (await this.get(`/v1/jobs?state=${state}`)).json.jobs.map((job) => job.links.self);
   }
 
   async metrics() {

@@ -4,7 +4,7 @@ import {describe, test} from 'node:test';
 import {EventStream} from '../lib/events.mjs';
 import {fresh} from '../lib/grids.mjs';
 import {validate} from '../lib/schema.mjs';
-import {assertProblem, useFakeServer, useServer, withFakeServer} from '../lib/server.mjs';
+import {assertProblem, eventually, useFakeServer, useServer, withFakeServer} from '../lib/server.mjs';
 
 const schemaOf = {progress: 'EventProgress', preview: 'EventPreview', done: 'Job'};
 
@@ -156,13 +156,11 @@ describe('events', {concurrency: 8}, () => {
       assertProblem(await small.get(`${path}/events`), 503, 'queue-full', {setting: '--streams', limit: 2});
       assert.equal((await small.get(path)).status, 200);
       streams[0].close();
-      let status = 503;
-      for (const limit = Date.now() + 15000; status === 503 && Date.now() < limit;) {
+      await eventually(async () => {
         const stream = await EventStream.open(small, path);
-        status = stream.head.status;
         stream.close();
-      }
-      assert.equal(status, 200);
+        return stream.head.status === 200;
+      }, 'a free place');
       streams[1].close();
       await small.ask('DELETE', path);
     });
@@ -209,12 +207,11 @@ describe('previews', () => {
     const path = await slowJob();
     const stream = await EventStream.open(server, path);
     await stream.next('preview');
-    let answer;
-    do {  // a newer one may come between the two requests
+    await eventually(async () => {  // a newer one may come between the two requests
       const {etag} = (await server.ask('HEAD', `${path}/preview`)).headers;
-      answer = await server.get(`${path}/preview`, {headers: {'If-None-Match': etag}});
-    } while (answer.status === 200);
-    assert.equal(answer.status, 304);
+      const answer = await server.get(`${path}/preview`, {headers: {'If-None-Match': etag}});
+      return answer.status === 304;
+    }, '304');
     stream.close();
     await server.ask('DELETE', path);
   });

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import {describe, test} from 'node:test';
 import {fresh} from '../lib/grids.mjs';
-import {useFakeServer, withFakeServer} from '../lib/server.mjs';
+import {eventually, useFakeServer, withFakeServer} from '../lib/server.mjs';
 
 const kShort = () => fresh('hold:20');
 const kLong = () => fresh('slow');
@@ -120,10 +120,7 @@ describe('prefer', () => {
   test('a client that leaves cancels its conversion', async () => {
     const connection = await server.connect();
     connection.send('POST /v1/regularize HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\nslow-left');
-    const find = async (state) =>
-      (await server.get(`/v1/jobs?state=${state}`)).json.jobs.map((job) => job.links.self);
-    let [path] = await find('running');
-    while (!path) [path] = await find('running');
+    const path = await eventually(async () => (await server.jobsIn('running'))[0], 'it runs');
     connection.close();
     assert.equal((await server.inState(path, 'canceled')).error.type, '/problems/canceled');
     await server.logged((line) => line.event === 'request' && line.status === 499, 'a line with 499');
