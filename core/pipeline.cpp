@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "core/base/parallel.h"
 #include "core/energy/energy.h"
 #include "core/energy/weights.h"
 #include "core/formats/read_scene.h"
@@ -31,7 +32,9 @@ struct Input {
     std::vector<std::string> warnings;
 };
 
-InputReport describe(const Scene& scene, const VoxelGrid& grid, const InputOptions& options) {
+/// Means nothing once `run` asked to stop.
+InputReport describe(const Scene& scene, const VoxelGrid& grid, const InputOptions& options,
+                     const RunContext& run) {
     InputReport report;
     report.format = scene.formatDetail;
     const Vec3i& size = grid.voxels.size();
@@ -43,10 +46,11 @@ InputReport describe(const Scene& scene, const VoxelGrid& grid, const InputOptio
     report.materials = grid.materials.size() - 1;
     for (std::size_t l = 1; l < grid.labels.size(); ++l)
         report.labels.push_back({grid.labels.raw()[l], 0});
-    grid.voxels.forEach([&](const Vec3i&, MaterialId m) {
+    const auto count = [&](const Vec3i&, MaterialId m) {
         ++report.voxels;
         ++report.labels[index(grid.materials[m].label) - 1U].voxels;
-    });
+    };
+    grid.voxels.forEachUntil([&] { return run.stopped(); }, count);
     return report;
 }
 
@@ -57,7 +61,8 @@ Result<Input> readGrid(std::span<const std::byte> bytes, const InputOptions& opt
     if (!scene) return fail(scene.error());
     auto grid = mergeScene(*scene, options, run);
     if (!grid) return fail(grid.error());
-    InputReport report = describe(*scene, *grid, options);
+    InputReport report = describe(*scene, *grid, options, run);
+    if (run.stopped()) return fail(run.stopError());
     return Input{*std::move(grid), std::move(report), std::move(scene->warnings)};
 }
 
@@ -97,11 +102,13 @@ Result<SurfaceSize> checkSize(const VoxelGrid& grid, const RunContext& run) {
     return size;
 }
 
-SurfaceReport describe(const DigitalSurface& surface, const VoxelGrid& grid) {
+/// Means nothing once `run` asked to stop.
+SurfaceReport describe(const DigitalSurface& surface, const VoxelGrid& grid,
+                       const RunContext& run) {
     SurfaceReport report;
     report.pointels = surface.pointelCount();
     report.surfels = surface.surfelCount();
-    for (std::size_t i = 0; i < surface.pointelCount(); ++i) {
+    serialFor(surface.pointelCount(), run, [&](std::size_t i) {
         const PointelId p{static_cast<std::uint32_t>(i)};
         // Each linel once, at its low end.
         for (int slot = 1; slot < kSlots; slot += 2) {
@@ -109,7 +116,7 @@ SurfaceReport describe(const DigitalSurface& surface, const VoxelGrid& grid) {
             report.junctionLinels += surface.junctionSlots[p] >> slot & 1;
         }
         report.junctionPointels += surface.isJunctionPointel(p);
-    }
+    });
     const auto name = [&](Label label) {
         return label == Label{0} ? std::string("background") : grid.labels[label];
     };
@@ -137,12 +144,13 @@ Result<LinkedSurface> makeSurface(const VoxelGrid& grid, const ConversionOptions
                     "/options/border");
     auto links = linkSurfels(*surface, run);
     if (!links) return fail(links.error());
-    report.surface = describe(*surface, grid);
+    report.surface = describe(*surface, grid, run);
     if (options.method.energy.split) {
         const auto split = splitUmbrellas(*surface, *links, run);
         if (!split) return fail(split.error());
         report.surface.splitPointels = *split;
     }
+    if (run.stopped()) return fail(run.stopError());
     return LinkedSurface{*std::move(surface), *std::move(links)};
 }
 
@@ -154,15 +162,15 @@ void describe(const std::vector<Closure>& closures, OutputReport& report) {
 }
 
 void measureDisplacement(const DigitalSurface& surface, const PointelVectors& positions,
-                         SolveReport& report) {
+                         const RunContext& run, SolveReport& report) {
     double squares = 0;
-    for (std::size_t i = 0; i < positions.size(); ++i) {
+    serialFor(positions.size(), run, [&](std::size_t i) {
         const PointelId p{static_cast<std::uint32_t>(i)};
         const Vec3d d = positions[p] - surface.position(p);
         squares += d.squaredNorm();
         const double along = d.cwiseQuotient(surface.spacing).cwiseAbs().maxCoeff();
         report.displacementMax = std::max(report.displacementMax, along);
-    }
+    });
     report.displacementRms = std::sqrt(squares / static_cast<double>(positions.size()));
 }
 
@@ -179,7 +187,7 @@ void reportChoices(const NormalEstimate& estimate, SurfaceReport& report) {
 Result<PointelVectors> regularize(const VoxelGrid& grid, const DigitalSurface& surface,
                                   const SurfelLinks& links, const MethodOptions& options,
                                   const RunContext& run, ConversionReport& report) {
-    auto weights = weightsByRegion(surface, grid.labels, options.energy);
+    auto weights = weightsByRegion(surface, grid.labels, options.energy, run);
     if (!weights) return fail(weights.error());
     run.report(Stage::normals, 0);
     auto estimate = estimateNormalsAndChoices(grid, surface, links, options.normals, run);
@@ -188,7 +196,7 @@ Result<PointelVectors> regularize(const VoxelGrid& grid, const DigitalSurface& s
 
     run.report(Stage::solve, 0);
     const Energy energy(surface, std::move(estimate->normals), *std::move(weights), options.energy,
-                        run.threads);
+                        run);
     auto solution = minimize(energy, options.solve, run);
     if (!solution) return fail(solution.error());
     SolveReport& solve = report.solve;
@@ -201,7 +209,8 @@ Result<PointelVectors> regularize(const VoxelGrid& grid, const DigitalSurface& s
 
     PointelVectors& positions = solution->positions;
     const auto found = [&]() -> Tangles {
-        return {invertedFaces(surface, positions).size(), crossingFaces(surface, positions).size()};
+        return {invertedFaces(surface, positions, run).size(),
+                crossingFaces(surface, positions, run).size()};
     };
     const Tangles before = options.solve.untangle ? untangle(surface, positions, run) : found();
     if (run.stopped()) return fail(run.stopError());
@@ -211,7 +220,8 @@ Result<PointelVectors> regularize(const VoxelGrid& grid, const DigitalSurface& s
     solve.crossingBefore = before.crossing;
     solve.crossingAfter = after.crossing;
     solve.after = energy.value(positions);
-    measureDisplacement(surface, positions, solve);
+    measureDisplacement(surface, positions, run, solve);
+    if (run.stopped()) return fail(run.stopError());
     return std::move(positions);
 }
 
@@ -262,7 +272,8 @@ Result<Artifact> convert(std::span<const std::byte> input, const ConversionOptio
                      .vertices = vertexCount(*mesh),
                      .triangles = triangleCount(*mesh),
                      .parts = mesh->parts.size()};
-    describe(labelClosures(grid, surface), report.output);
+    describe(labelClosures(grid, surface, run), report.output);
+    if (run.stopped()) return fail(run.stopError());
 
     auto bytes = writeMesh(*mesh, options.output, report, run);
     if (!bytes) return fail(bytes.error());

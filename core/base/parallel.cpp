@@ -43,17 +43,19 @@ void runOnThreads(std::size_t blocks, int threads, const RunBlock& runBlock) {
 
 }  // namespace
 
-void parallelBlocks(std::size_t count, std::size_t blockSize, int threads,
+bool parallelBlocks(std::size_t count, std::size_t blockSize, const Workers& workers,
                     const std::function<void(std::size_t, std::size_t)>& body) {
     const std::size_t blocks = (count + blockSize - 1) / blockSize;
     const auto runBlock = [&](std::size_t block) {
+        if (workers.stopped()) return;
         body(block * blockSize, std::min(count, (block + 1) * blockSize));
     };
-    if (threads <= 1 || blocks <= 1) {
+    if (workers.threads <= 1 || blocks <= 1) {
         for (std::size_t block = 0; block < blocks; ++block) runBlock(block);
-        return;
+    } else {
+        runOnThreads(blocks, workers.threads, runBlock);
     }
-    runOnThreads(blocks, threads, runBlock);
+    return !workers.stopped();
 }
 
 }  // namespace rivage::core

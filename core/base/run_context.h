@@ -30,11 +30,12 @@ struct Limits {
 };
 
 /// What every stage gets beside its data: threads, limits, and the ways to stop and to watch it.
-/// The callbacks are called from one thread at a time; they must be cheap and must not throw.
+/// The callbacks must be cheap and must not throw; `progress` and `preview` are called from one
+/// thread at a time, `stopRequested` from all threads of a stage, every few milliseconds at least.
 struct RunContext {
     int threads = 1;
     Limits limits = {};
-    /// Polled inside every long loop: a code other than `internal` asks the stage to give up.
+    /// Polled inside every long loop: true asks the stage to give up, and stays true.
     std::function<bool()> stopRequested = {};
     /// Set beside `stopRequested`: whether the stop was asked for by the clock or by a person.
     std::function<ErrorCode()> stopReason = {};

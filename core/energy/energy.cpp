@@ -20,12 +20,12 @@ EnergyWeights EnergyWeights::uniform(const DigitalSurface& surface, const Energy
 }
 
 Energy::Energy(const DigitalSurface& surface, NormalField normals, EnergyWeights weights,
-               const EnergyOptions& options, int threads)
+               const EnergyOptions& options, const Workers& workers)
     : surface_(surface),
       normals_(std::move(normals)),
       weights_(std::move(weights)),
       options_(options),
-      threads_(threads) {
+      workers_(workers) {
     chooseFairnessNeighbours(options.junctionFairness);
     listIncidentCorners();
     if (options.fairness == Fairness::tangential) computeTangentialFairness();
@@ -42,7 +42,7 @@ bool Energy::sharesFaces(PointelId i, PointelId neighbour) const {
 void Energy::chooseFairnessNeighbours(JunctionFairness rule) {
     fairnessSlots_.resize(size());
     inverseDegree_.resize(size());
-    for (std::size_t n = 0; n < size(); ++n) {
+    const auto choose = [&](std::size_t n) {
         const PointelId i = pointel(n);
         unsigned slots = 0;
         for (int slot = 0; slot < kSlots; ++slot)
@@ -51,20 +51,25 @@ void Energy::chooseFairnessNeighbours(JunctionFairness rule) {
             slots &= surface_.isJunctionPointel(i) ? 0U : surface_.junctionSlots[i];
         fairnessSlots_[i] = static_cast<std::uint8_t>(slots);
         inverseDegree_[i] = slots == 0 ? 0 : 1.0 / __builtin_popcount(slots);
-    }
+    };
+    parallelBlocks(size(), kBlock, workers_, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n) choose(n);
+    });
 }
 
 void Energy::listIncidentCorners() {
     start_.assign(size() + 1, 0);
-    for (const auto& corners : surface_.corners)
-        for (const PointelId i : corners) ++start_[index(i) + 1];
+    serialFor(surface_.surfelCount(), workers_, [&](std::size_t f) {
+        for (const PointelId i : surface_.corners[surfel(f)]) ++start_[index(i) + 1];
+    });
     for (std::size_t n = 0; n < size(); ++n) start_[n + 1] += start_[n];
     incident_.resize(surface_.surfelCount() * 4);
     std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
-    for (std::size_t f = 0; f < surface_.surfelCount(); ++f)
+    serialFor(surface_.surfelCount(), workers_, [&](std::size_t f) {
         for (std::size_t k = 0; k < 4; ++k)
             incident_[next[index(surface_.corners[surfel(f)][k])]++] =
                 static_cast<std::uint32_t>(4 * f + k);
+    });
 }
 
 // With M the mean of n n^T over the surfels around a pointel, the eigenvalues of M tell along how
@@ -73,7 +78,7 @@ void Energy::listIncidentCorners() {
 void Energy::computeTangentialFairness() {
     constexpr double kTau = 0.06;  // METHOD.md 2.7
     tangential_.resize(size());
-    parallelBlocks(size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
+    parallelBlocks(size(), kBlock, workers_, [&](std::size_t begin, std::size_t end) {
         for (std::size_t n = begin; n < end; ++n) {
             Mat3d mean = Mat3d::Zero();
             for (std::uint32_t e = start_[n]; e < start_[n + 1]; ++e) {
@@ -89,7 +94,9 @@ void Energy::computeTangentialFairness() {
 
 PointelVectors Energy::restPositions() const {
     PointelVectors rest(size());
-    for (std::size_t n = 0; n < size(); ++n) rest[pointel(n)] = surface_.position(pointel(n));
+    parallelBlocks(size(), kBlock, workers_, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n) rest[pointel(n)] = surface_.position(pointel(n));
+    });
     return rest;
 }
 
@@ -121,7 +128,7 @@ Mat3d Energy::alignmentBlock(PointelId i) const {
 
 EnergyReport Energy::value(const PointelVectors& x) const {
     EnergyReport energy;
-    energy.data = blockedSum(size(), threads_, 0.0, [&](std::size_t begin, std::size_t end) {
+    energy.data = blockedSum(size(), workers_, 0.0, [&](std::size_t begin, std::size_t end) {
         double sum = 0;
         for (std::size_t n = begin; n < end; ++n) {
             const PointelId i = pointel(n);
@@ -141,8 +148,8 @@ EnergyReport Energy::value(const PointelVectors& x) const {
         }
         return sum;
     };
-    energy.alignment = blockedSum(surface_.surfelCount(), threads_, 0.0, alignment);
-    energy.fairness = blockedSum(size(), threads_, 0.0, [&](std::size_t begin, std::size_t end) {
+    energy.alignment = blockedSum(surface_.surfelCount(), workers_, 0.0, alignment);
+    energy.fairness = blockedSum(size(), workers_, 0.0, [&](std::size_t begin, std::size_t end) {
         double sum = 0;
         for (std::size_t n = begin; n < end; ++n) {
             if (inverseDegree_[pointel(n)] == 0) continue;
@@ -163,7 +170,7 @@ void Energy::apply(const PointelVectors& x, PointelVectors& out, Scratch& scratc
     auto& terms = scratch.faceTerms;
     auto& fair = scratch.fairnessTerms;
     parallelBlocks(
-        surface_.surfelCount(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
+        surface_.surfelCount(), kBlock, workers_, [&](std::size_t begin, std::size_t end) {
             for (std::size_t f = begin; f < end; ++f) {
                 const auto& c = surface_.corners[surfel(f)];
                 const Vec3d& normal = normals_[surfel(f)];
@@ -174,14 +181,14 @@ void Energy::apply(const PointelVectors& x, PointelVectors& out, Scratch& scratc
                     terms[4 * f + k] = beta * (2 * h[k] - h[(k + 1) % 4] - h[(k + 3) % 4]);
             }
         });
-    parallelBlocks(size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
+    parallelBlocks(size(), kBlock, workers_, [&](std::size_t begin, std::size_t end) {
         for (std::size_t n = begin; n < end; ++n) {
             const PointelId i = pointel(n);
             fair[i] =
                 inverseDegree_[i] == 0 ? Vec3d(Vec3d::Zero()) : applyFairness(i, fromMean(x, i));
         }
     });
-    parallelBlocks(size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
+    parallelBlocks(size(), kBlock, workers_, [&](std::size_t begin, std::size_t end) {
         for (std::size_t n = begin; n < end; ++n) {
             const PointelId i = pointel(n);
             Vec3d sum = weights_.alpha[i] * x[i] + fair[i];
@@ -201,16 +208,18 @@ PointelVectors Energy::gradient(const PointelVectors& x) const {
     PointelVectors result;
     Scratch scratch;
     apply(x, result, scratch);
-    for (std::size_t n = 0; n < size(); ++n) {
-        const PointelId i = pointel(n);
-        result[i] = 2 * (result[i] - weights_.alpha[i] * surface_.position(i));
-    }
+    parallelBlocks(size(), kBlock, workers_, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n) {
+            const PointelId i = pointel(n);
+            result[i] = 2 * (result[i] - weights_.alpha[i] * surface_.position(i));
+        }
+    });
     return result;
 }
 
 IdVector<PointelId, Mat3d> Energy::diagonalBlocks() const {
     IdVector<PointelId, Mat3d> blocks(size());
-    parallelBlocks(size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
+    parallelBlocks(size(), kBlock, workers_, [&](std::size_t begin, std::size_t end) {
         for (std::size_t n = begin; n < end; ++n) {
             const PointelId i = pointel(n);
             Mat3d block = weights_.alpha[i] * Mat3d::Identity() + alignmentBlock(i);
@@ -228,7 +237,7 @@ IdVector<PointelId, Mat3d> Energy::diagonalBlocks() const {
 
 IdVector<PointelId, double> Energy::majorizer() const {
     IdVector<PointelId, double> bound(size());
-    parallelBlocks(size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
+    parallelBlocks(size(), kBlock, workers_, [&](std::size_t begin, std::size_t end) {
         for (std::size_t n = begin; n < end; ++n) {
             const PointelId i = pointel(n);
             // The Frobenius norm: hardly more than the largest eigenvalue where one dominates.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/options.h"
+#include "core/base/parallel.h"
 #include "core/base/report.h"
 #include "core/normals/normal_field.h"
 #include "core/surface/digital_surface.h"
@@ -41,15 +42,17 @@ struct EnergyWeights {
 class Energy {
 public:
     /// @param normals  unit vectors; their sign does not matter
+    /// @param workers  for all that the energy does; once they are asked to stop, it gives
+    ///                 nothing meaningful any more, and soon
     /// @cost  O(pointels + surfels) time; about 150 bytes per pointel
     Energy(const DigitalSurface& surface, NormalField normals, EnergyWeights weights,
-           const EnergyOptions& options, int threads);
+           const EnergyOptions& options, const Workers& workers);
 
     [[nodiscard]] const DigitalSurface& surface() const { return surface_; }
     [[nodiscard]] const EnergyWeights& weights() const { return weights_; }
     [[nodiscard]] const NormalField& normals() const { return normals_; }
     [[nodiscard]] const EnergyOptions& options() const { return options_; }
-    [[nodiscard]] int threads() const { return threads_; }
+    [[nodiscard]] const Workers& workers() const { return workers_; }
     [[nodiscard]] std::size_t size() const { return surface_.pointelCount(); }
     /// Corners k of surfels f at a pointel, as 4 f + k, ascending.
     [[nodiscard]] std::span<const std::uint32_t> incidentCorners(PointelId i) const {
@@ -112,7 +115,7 @@ private:
     NormalField normals_;
     EnergyWeights weights_;
     EnergyOptions options_;
-    int threads_;
+    Workers workers_;
     IdVector<PointelId, std::uint8_t> fairnessSlots_;
     IdVector<PointelId, double> inverseDegree_;  // 0 without fairness neighbours
     IdVector<PointelId, Mat3d> tangential_;      // G_i / gamma_i; empty with umbrella fairness

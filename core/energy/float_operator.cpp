@@ -119,7 +119,7 @@ struct FloatOperator::View {
 };
 
 FloatOperator::FloatOperator(const Energy& energy, const RunContext& run, Instructions instructions)
-    : threads_(energy.threads()),
+    : workers_(energy.workers()),
       surface_(energy.surface()),
       energy_(energy),
       normals_(surface_.surfelCount()),
@@ -129,7 +129,7 @@ FloatOperator::FloatOperator(const Energy& energy, const RunContext& run, Instru
 #if defined(__x86_64__)
     wide_ = instructions == Instructions::best && __builtin_cpu_supports("avx2");
 #endif
-    parallelBlocks(normals_.size(), kFacesPerBlock, threads_,
+    parallelBlocks(normals_.size(), kFacesPerBlock, workers_,
                    [&](std::size_t begin, std::size_t end) {
                        for (std::size_t f = begin; f < end; ++f) {
                            const SurfelId s{static_cast<std::uint32_t>(f)};
@@ -138,7 +138,7 @@ FloatOperator::FloatOperator(const Energy& energy, const RunContext& run, Instru
                        }
                    });
     parallelBlocks(
-        energy.size(), kFacesPerBlock, threads_, [&](std::size_t begin, std::size_t end) {
+        energy.size(), kFacesPerBlock, workers_, [&](std::size_t begin, std::size_t end) {
             for (std::size_t n = begin; n < end; ++n) {
                 const PointelId i{static_cast<std::uint32_t>(n)};
                 const int degree = __builtin_popcount(energy.fairnessSlots(i));
@@ -219,17 +219,17 @@ void FloatOperator::apply(const FloatVectors& x, FloatVectors& out) {
                     faceTerms_.data(),
                     fairnessTerms_.data(),
                     out.raw().data()};
-    parallelBlocks(faceTerms_.size(), kFacesPerBlock, threads_,
+    parallelBlocks(faceTerms_.size(), kFacesPerBlock, workers_,
                    [&](std::size_t begin, std::size_t end) {
                        wide_ ? view.facesWide(begin, end) : view.faces(begin, end);
                    });
     const std::size_t tiles = tiles_.size() - 1;
-    parallelBlocks(tiles, kTilesPerBlock, threads_, [&](std::size_t begin, std::size_t end) {
+    parallelBlocks(tiles, kTilesPerBlock, workers_, [&](std::size_t begin, std::size_t end) {
         const auto first = tiles_[begin];
         const auto last = tiles_[end];
         wide_ ? view.meansWide(first, last) : view.means(first, last);
     });
-    parallelBlocks(tiles, kTilesPerBlock, threads_, [&](std::size_t begin, std::size_t end) {
+    parallelBlocks(tiles, kTilesPerBlock, workers_, [&](std::size_t begin, std::size_t end) {
         const auto first = tiles_[begin];
         const auto last = tiles_[end];
         wide_ ? view.gatherWide(first, last) : view.gather(first, last);
@@ -238,7 +238,7 @@ void FloatOperator::apply(const FloatVectors& x, FloatVectors& out) {
 
 IdVector<PointelId, Symmetric3> FloatOperator::diagonalBlocks() const {
     IdVector<PointelId, Symmetric3> blocks(fairness_.size());
-    parallelBlocks(blocks.size(), kFacesPerBlock, threads_,
+    parallelBlocks(blocks.size(), kFacesPerBlock, workers_,
                    [&](std::size_t begin, std::size_t end) {
                        for (std::size_t n = begin; n < end; ++n) {
                            const PointelId i{static_cast<std::uint32_t>(n)};

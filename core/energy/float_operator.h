@@ -51,7 +51,7 @@ private:
 
     void sortRows(const Energy& energy, const RunContext& run);
 
-    int threads_;
+    Workers workers_;
     bool wide_ = false;
     const DigitalSurface& surface_;
     const Energy& energy_;

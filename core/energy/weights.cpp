@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/parallel.h"
+
 namespace rivage::core {
 namespace {
 
@@ -47,7 +49,7 @@ Factors ofSurfel(const DigitalSurface& surface, const IdVector<Label, Factors>& 
 
 Result<EnergyWeights> weightsByRegion(const DigitalSurface& surface,
                                       const IdVector<Label, std::string>& labels,
-                                      const EnergyOptions& options) {
+                                      const EnergyOptions& options, const RunContext& run) {
     const auto factors = factorsOf(labels, options.regions);
     if (!factors) return fail(factors.error());
     EnergyWeights weights = EnergyWeights::uniform(surface, options);
@@ -55,20 +57,21 @@ Result<EnergyWeights> weightsByRegion(const DigitalSurface& surface,
 
     IdVector<PointelId, Factors> sums(surface.pointelCount(), Factors::Zero());
     IdVector<PointelId, int> counts(surface.pointelCount());
-    for (std::uint32_t i = 0; i < surface.surfelCount(); ++i) {
-        const SurfelId s{i};
+    serialFor(surface.surfelCount(), run, [&](std::size_t i) {
+        const SurfelId s{static_cast<std::uint32_t>(i)};
         const Factors own = ofSurfel(surface, *factors, s);
         weights.beta[s] *= own[1];
         for (const PointelId p : surface.corners[s]) {
             sums[p] += own;
             ++counts[p];
         }
-    }
-    for (std::uint32_t i = 0; i < surface.pointelCount(); ++i) {
-        const PointelId p{i};
+    });
+    const bool done = parallelFor(surface.pointelCount(), run, [&](std::size_t i) {
+        const PointelId p{static_cast<std::uint32_t>(i)};
         weights.alpha[p] *= sums[p][0] / counts[p];
         weights.gamma[p] *= sums[p][2] / counts[p];
-    }
+    });
+    if (!done) return fail(run.stopError());
     return weights;
 }
 

@@ -15,6 +15,6 @@ namespace rivage::core {
 /// @source  ours
 Result<EnergyWeights> weightsByRegion(const DigitalSurface& surface,
                                       const IdVector<Label, std::string>& labels,
-                                      const EnergyOptions& options);
+                                      const EnergyOptions& options, const RunContext& run = {});
 
 }  // namespace rivage::core

@@ -11,6 +11,8 @@ namespace rivage::core {
 namespace {
 
 constexpr std::uint32_t kSmallValues = 65536;  // looked up in a table, larger ones in a map
+constexpr std::size_t kPoll = 1 << 16;         // values between two polls
+constexpr int kPollRows = 64;
 // The store of a brick grid doubles when it is full, so up to twice its bricks are reserved.
 constexpr std::uint64_t kStoreSlack = 2;
 
@@ -69,11 +71,12 @@ std::string sizeText(const Vec3i& size) {
 }
 
 Result<ValueTable> collectValues(std::span<const std::byte> values, const ValueType& type,
-                                 std::size_t sliceBytes, const RunContext& run) {
+                                 const RunContext& run) {
+    const std::size_t pollBytes = std::size_t{kPoll} * type.bytes;
     const std::uint64_t limit = std::min<std::uint64_t>(run.limits.maxMaterials, 0xffff);
     ValueTable table;
     for (std::size_t offset = 0; offset < values.size(); offset += type.bytes) {
-        if (offset % sliceBytes == 0 && run.stopped()) return fail(run.stopError());
+        if (offset % pollBytes == 0 && run.stopped()) return fail(run.stopError());
         const std::optional<std::uint32_t> value = valueAt(values.data() + offset, type);
         if (!value)
             return fail(ErrorCode::malformedInput,
@@ -94,12 +97,13 @@ Result<BrickGrid> fillBricks(std::span<const std::byte> values, const ValueType&
     BrickGrid grid(size);
     const std::byte* next = values.data();
     for (int z = 0; z < size.z(); ++z) {
-        if (run.stopped()) return fail(run.stopError());
-        for (int y = 0; y < size.y(); ++y)
+        for (int y = 0; y < size.y(); ++y) {
+            if (y % kPollRows == 0 && run.stopped()) return fail(run.stopError());
             for (int x = 0; x < size.x(); ++x, next += type.bytes) {
                 const std::uint32_t value = valueAt(next, type).value_or(0);
                 if (value != 0) grid.set(Vec3i(x, y, z), table.materialOf(value));
             }
+        }
     }
     return grid;
 }
@@ -147,8 +151,7 @@ Result<Scene> sceneFromVolume(std::span<const std::byte> values, const ValueType
                           "a grid of " + sizeText(size) + " voxels needs up to " +
                               std::to_string(memory) + " bytes",
                           "/grid", run.limits.maxMemory, memory, "--memory-budget"});
-    const std::size_t sliceBytes = static_cast<std::size_t>(size.x()) * size.y() * type.bytes;
-    Result<ValueTable> table = collectValues(values, type, sliceBytes, run);
+    Result<ValueTable> table = collectValues(values, type, run);
     if (!table) return fail(std::move(table.error()));
     Scene scene;
     scene.materials = table->number();

@@ -14,6 +14,7 @@ namespace {
 
 // The store of a brick grid doubles when it is full, so up to twice its bricks are reserved.
 constexpr std::uint64_t kStoreSlack = 2;
+constexpr std::size_t kPoll = 1 << 16;  // voxels between two polls
 
 struct StoredVoxel {
     Vec3i at;
@@ -26,9 +27,10 @@ StoredVoxel voxelAt(std::span<const std::byte> voxels, std::size_t i) {
 }
 
 /// Checks every voxel against the model's size and predicts the bytes of its grid.
-Result<std::uint64_t> checkModel(const VoxModel& model, std::size_t number) {
+Result<std::uint64_t> checkModel(const VoxModel& model, std::size_t number, const RunContext& run) {
     std::bitset<16 * 16 * 16> touched;  // bricks of a model of 256^3
     for (std::size_t i = 0; i < model.voxels.size() / 4; ++i) {
+        if (i % kPoll == 0 && run.stopped()) return fail(run.stopError());
         const StoredVoxel voxel = voxelAt(model.voxels, i);
         if ((voxel.at.array() >= model.size.array()).any())
             return voxError(
@@ -49,8 +51,7 @@ Result<std::uint64_t> checkModel(const VoxModel& model, std::size_t number) {
 Result<std::vector<BrickGrid>> buildModels(const VoxDocument& document, const RunContext& run) {
     std::uint64_t memory = 0;
     for (std::size_t m = 0; m < document.models.size(); ++m) {
-        if (run.stopped()) return fail(run.stopError());
-        const Result<std::uint64_t> bytes = checkModel(document.models[m], m);
+        const Result<std::uint64_t> bytes = checkModel(document.models[m], m, run);
         if (!bytes) return fail(bytes.error());
         memory += *bytes;
         if (memory > run.limits.maxMemory)
@@ -65,6 +66,7 @@ Result<std::vector<BrickGrid>> buildModels(const VoxDocument& document, const Ru
         if (run.stopped()) return fail(run.stopError());
         BrickGrid& grid = models.emplace_back(model.size);
         for (std::size_t i = 0; i < model.voxels.size() / 4; ++i) {
+            if (i % kPoll == 0 && run.stopped()) return fail(run.stopError());
             const StoredVoxel voxel = voxelAt(model.voxels, i);
             grid.set(voxel.at, voxel.material);
         }

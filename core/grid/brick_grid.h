@@ -40,7 +40,13 @@ public:
     bool copyRow(int xBegin, int y, int z, std::span<MaterialId> row) const;
     /// Calls `visit(voxel, material)` for every voxel that is not empty, brick by brick.
     template <typename Visit>
-    void forEach(Visit&& visit) const;
+    void forEach(Visit&& visit) const {
+        forEachUntil([] { return false; }, visit);
+    }
+    /// As `forEach`; asks `stopped()` every few bricks.
+    /// @return false if it said yes; some voxels were then not visited
+    template <typename Stopped, typename Visit>
+    bool forEachUntil(Stopped&& stopped, Visit&& visit) const;
     /// For each row of bricks along x, y fastest, then z: whether it stores a brick.
     /// @cost O(bricks)
     [[nodiscard]] std::vector<bool> storedRows() const;
@@ -58,9 +64,11 @@ private:
     std::vector<Brick> store_;
 };
 
-template <typename Visit>
-void BrickGrid::forEach(Visit&& visit) const {
+template <typename Stopped, typename Visit>
+bool BrickGrid::forEachUntil(Stopped&& stopped, Visit&& visit) const {
+    constexpr std::size_t kPoll = 16;  // bricks
     for (std::size_t s = 0; s < directory_.size(); ++s) {
+        if (s % kPoll == 0 && stopped()) return false;
         if (directory_[s] == 0) continue;
         const Brick& brick = store_[directory_[s] - 1];
         const auto bx = static_cast<int>(s % bricks_.x());
@@ -74,6 +82,7 @@ void BrickGrid::forEach(Visit&& visit) const {
                                          static_cast<int>(i / kSide / kSide))),
                       brick[i]);
     }
+    return true;
 }
 
 }  // namespace rivage::core

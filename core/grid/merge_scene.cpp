@@ -110,12 +110,14 @@ void widenByBrick(const BrickGrid::Brick& brick, const Vec3i& base, std::optiona
     }
 }
 
-ModelFacts factsOf(const BrickGrid& model) {
+/// Means nothing once `run` asked to stop.
+ModelFacts factsOf(const BrickGrid& model, const RunContext& run) {
     ModelFacts facts;
     facts.known = true;
     const Vec3i& bricks = model.bricks();
     for (int z = 0; z < bricks.z(); ++z)
-        for (int y = 0; y < bricks.y(); ++y)
+        for (int y = 0; y < bricks.y(); ++y) {
+            if (run.stopped()) return facts;
             for (int x = 0; x < bricks.x(); ++x) {
                 const BrickGrid::Brick* brick = model.brick(Vec3i(x, y, z));
                 if (!brick) continue;
@@ -126,6 +128,7 @@ ModelFacts factsOf(const BrickGrid& model) {
                                     (high.array() <= facts.box->high.array()).all();
                 if (!inside) widenByBrick(*brick, low, facts.box);
             }
+        }
     return facts;
 }
 
@@ -148,13 +151,14 @@ Result<Box> sceneBox(const Scene& scene, const std::vector<Placed>& placed, bool
     for (const Placed& part : placed) {
         if (run.stopped()) return fail(run.stopError());
         ModelFacts& fact = facts[static_cast<std::size_t>(part.modelId)];
-        if (!fact.known) fact = factsOf(*part.model);
+        if (!fact.known) fact = factsOf(*part.model, run);
         if (!fact.box) continue;
         const Box all{Vec3i::Zero(), part.model->size() - Vec3i::Ones()};
         const Box own = part.placement.apply(whole ? all : *fact.box);
         box = box ? unite(*box, own) : own;
         cells += fact.cells;
     }
+    if (run.stopped()) return fail(run.stopError());
     if (!box) return fail(emptyError(scene));
     const auto extent = static_cast<std::uint64_t>(
         (box->high.cast<std::int64_t>() - box->low.cast<std::int64_t>()).maxCoeff() + 1);
@@ -203,16 +207,17 @@ Result<void> checkMemory(const Scene& scene, const std::vector<Placed>& placed, 
                 }
     };
     for (const Placed& part : placed) {
-        if (run.stopped()) return fail(run.stopError());
         const Vec3i& own = part.model->bricks();
         for (int z = 0; z < own.z(); ++z)
-            for (int y = 0; y < own.y(); ++y)
+            for (int y = 0; y < own.y(); ++y) {
+                if (run.stopped()) return fail(run.stopError());
                 for (int x = 0; x < own.x(); ++x) {
                     if (!part.model->brick(Vec3i(x, y, z))) continue;
                     const Vec3i low = Vec3i(x, y, z) * kSide;
                     markBox(part.placement.apply(
                         Box{low, (low.array() + kSide).min(part.model->size().array()) - 1}));
                 }
+            }
     }
     return budget();
 }
@@ -226,12 +231,15 @@ Result<BrickGrid> mergeVoxels(const std::vector<Placed>& placed, const Box& box,
     BrickGrid merged = asIs ? *placed[0].model : BrickGrid(size);
     for (const Placed& part : placed) {
         if (asIs) break;
-        if (run.stopped()) return fail(run.stopError());
-        part.model->forEach([&](const Vec3i& voxel, MaterialId material) {
+        const auto put = [&](const Vec3i& voxel, MaterialId material) {
             merged.set(part.placement.apply(voxel) - box.low, material);
-        });
+        };
+        if (!part.model->forEachUntil([&] { return run.stopped(); }, put))
+            return fail(run.stopError());
     }
-    const std::uint64_t voxels = merged.countVoxels();
+    std::uint64_t voxels = 0;
+    const auto count = [&](const Vec3i&, MaterialId) { ++voxels; };
+    if (!merged.forEachUntil([&] { return run.stopped(); }, count)) return fail(run.stopError());
     if (voxels > run.limits.maxVoxels)
         return fail(Error{ErrorCode::tooLarge,
                           "the grid has " + std::to_string(voxels) + " voxels, at most " +
@@ -240,9 +248,12 @@ Result<BrickGrid> mergeVoxels(const std::vector<Placed>& placed, const Box& box,
     return merged;
 }
 
-std::vector<bool> usedMaterials(const BrickGrid& voxels, std::size_t materials) {
+/// Means nothing once `run` asked to stop.
+std::vector<bool> usedMaterials(const BrickGrid& voxels, std::size_t materials,
+                                const RunContext& run) {
     std::vector<bool> used(materials, false);
-    voxels.forEach([&](const Vec3i&, MaterialId material) { used[index(material)] = true; });
+    voxels.forEachUntil([&] { return run.stopped(); },
+                        [&](const Vec3i&, MaterialId material) { used[index(material)] = true; });
     return used;
 }
 
@@ -270,8 +281,8 @@ KeptMaterials keepLabelled(const IdVector<MaterialId, Material>& materials,
 
 /// The part of a grid inside its bounding box of voxels that keep a material; all of it where the
 /// border is open, for there it is where the voxels ended and not where the regions do.
-void cropToKept(VoxelGrid& grid) {
-    const ModelFacts facts = factsOf(grid.voxels);
+void cropToKept(VoxelGrid& grid, const RunContext& run) {
+    const ModelFacts facts = factsOf(grid.voxels, run);
     if (!facts.box) {
         grid.voxels = BrickGrid();
         return;
@@ -279,9 +290,10 @@ void cropToKept(VoxelGrid& grid) {
     const Vec3i size = facts.box->high - facts.box->low + Vec3i::Ones();
     if (size == grid.voxels.size() || grid.openBorder) return;
     BrickGrid cropped(size);
-    grid.voxels.forEach([&](const Vec3i& voxel, MaterialId material) {
+    const auto put = [&](const Vec3i& voxel, MaterialId material) {
         cropped.set(voxel - facts.box->low, material);
-    });
+    };
+    grid.voxels.forEachUntil([&] { return run.stopped(); }, put);
     grid.voxels = std::move(cropped);
     grid.origin += facts.box->low;
 }
@@ -299,7 +311,7 @@ Result<VoxelGrid> mergeScene(const Scene& scene, const InputOptions& options,
     Result<BrickGrid> merged = mergeVoxels(placed, *box, run);
     if (!merged) return fail(std::move(merged.error()));
 
-    const std::vector<bool> used = usedMaterials(*merged, scene.materials.size());
+    const std::vector<bool> used = usedMaterials(*merged, scene.materials.size(), run);
     const auto distinct = static_cast<std::uint64_t>(std::count(used.begin(), used.end(), true));
     if (distinct > run.limits.maxMaterials)
         return fail(Error{ErrorCode::tooManyLabels,
@@ -319,7 +331,8 @@ Result<VoxelGrid> mergeScene(const Scene& scene, const InputOptions& options,
     grid.labels = *std::move(labels);
     grid.openBorder = open;
     grid.spacing = options.spacing / options.spacing.minCoeff();
-    if (kept.drops) cropToKept(grid);
+    if (kept.drops) cropToKept(grid, run);
+    if (run.stopped()) return fail(run.stopError());
     if (grid.voxels.size() == Vec3i::Zero())
         return fail(ErrorCode::emptyGrid, "the label map takes no voxel of the grid",
                     "/options/labels");

@@ -38,15 +38,16 @@ MeshPart emptyPart(const VoxelGrid& grid, const LabelPair& labels) {
 }
 
 PartData preparePart(const DigitalSurface& surface, const IdVector<PointelId, Vec3d>& positions,
-                     Patch patch, Shading shading, int threads) {
+                     Patch patch, Shading shading, const Workers& workers) {
     PartData data{.patch = std::move(patch)};
-    data.points = groupFans(data.patch, {});
+    data.points = groupFans(data.patch, {}, workers);
     data.shading = data.points;
     if (shading == Shading::flat) return data;
-    const std::vector<Vec3d> areas = vectorAreas(data.patch, surface, positions, threads);
+    const std::vector<Vec3d> areas = vectorAreas(data.patch, surface, positions, workers);
     if (shading == Shading::crease)
-        data.shading = groupFans(data.patch, smoothEdges(data.patch, surface, areas, threads));
-    data.normals = groupNormals(data.patch, surface, positions, areas, data.shading, threads);
+        data.shading =
+            groupFans(data.patch, smoothEdges(data.patch, surface, areas, workers), workers);
+    data.normals = groupNormals(data.patch, surface, positions, areas, data.shading, workers);
     return data;
 }
 
@@ -140,7 +141,7 @@ Result<Mesh> buildMesh(const VoxelGrid& grid, const DigitalSurface& surface,
     Mesh mesh;
     setBox(grid, mesh);
     Styles styles(grid, output.colors);
-    const auto ranks = ranksInInterface(surface);
+    const auto ranks = ranksInInterface(surface, run);
     for (std::uint32_t i = 0; i < surface.interfaces.size(); ++i) {
         const Interface& sheet = surface.interfaces[InterfaceId{i}];
         if (sheet.begin == sheet.end) continue;
@@ -151,17 +152,21 @@ Result<Mesh> buildMesh(const VoxelGrid& grid, const DigitalSurface& surface,
                          .message = "one part of the mesh has too many faces",
                          .limit = kMaxFaces - 1,
                          .actual = sheet.end - sheet.begin});
-        Patch patch = buildPatch(surface, InterfaceId{i}, links, ranks, run.threads);
-        PartData data =
-            preparePart(surface, positions, std::move(patch), output.shading, run.threads);
+        Patch patch = buildPatch(surface, InterfaceId{i}, links, ranks, run);
+        PartData data = preparePart(surface, positions, std::move(patch), output.shading, run);
         if (run.stopped()) return fail(run.stopError());
         data.styles.reserve(data.patch.faceCount());
-        for (const SurfelId s : data.patch.surfels) data.styles.push_back(styles.of(surface, s));
+        serialFor(data.patch.faceCount(), run, [&](std::size_t face) {
+            data.styles.push_back(styles.of(surface, data.patch.surfels[face]));
+        });
+        if (run.stopped()) return fail(run.stopError());
 
         MeshPart part = emptyPart(grid, sheet.labels);
         PartFiller filler(data, mesh.boxMin, output.colors, part);
-        for (std::uint32_t face = 0; face < data.patch.faceCount(); ++face)
-            filler.addFace(face, surface, positions);
+        const bool filled = serialFor(data.patch.faceCount(), run, [&](std::size_t face) {
+            filler.addFace(static_cast<std::uint32_t>(face), surface, positions);
+        });
+        if (!filled) return fail(run.stopError());
         mesh.parts.push_back(std::move(part));
     }
     mesh.materials = styles.takeMaterials();

@@ -4,6 +4,8 @@
 #include <span>
 #include <utility>
 
+#include "core/base/parallel.h"
+
 namespace rivage::core {
 namespace {
 
@@ -24,12 +26,13 @@ struct EdgeTable {
     std::vector<std::size_t> start;
     std::vector<HalfEdge> items;
 
-    explicit EdgeTable(const DigitalSurface& surface)
+    EdgeTable(const DigitalSurface& surface, const RunContext& run)
         : start(surface.pointelCount() + 1), items(4 * surface.surfelCount()) {
         const auto forEachEdge = [&](auto&& visit) {
-            for (std::uint32_t s = 0; s < surface.surfelCount(); ++s)
-                for (std::size_t k = 0; k < 4; ++k)
-                    visit(SurfelId{s}, edgeOf(surface, SurfelId{s}, k));
+            serialFor(surface.surfelCount(), run, [&](std::size_t i) {
+                const SurfelId s{static_cast<std::uint32_t>(i)};
+                for (std::size_t k = 0; k < 4; ++k) visit(s, edgeOf(surface, s, k));
+            });
         };
         forEachEdge([&](SurfelId, const auto& edge) { ++start[index(edge.first) + 1U]; });
         for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
@@ -70,10 +73,12 @@ void checkEdge(const DigitalSurface& surface, std::span<const HalfEdge> faces, C
 
 }  // namespace
 
-std::vector<Closure> labelClosures(const VoxelGrid& grid, const DigitalSurface& surface) {
+std::vector<Closure> labelClosures(const VoxelGrid& grid, const DigitalSurface& surface,
+                                   const RunContext& run) {
     std::vector<Closure> closures(grid.labels.size() - 1, Closure::closed);
-    EdgeTable edges(surface);
-    for (std::uint32_t i = 0; i < surface.pointelCount(); ++i) {
+    EdgeTable edges(surface, run);
+    serialFor(surface.pointelCount(), run, [&](std::size_t n) {
+        const auto i = static_cast<std::uint32_t>(n);
         const auto begin = edges.items.begin() + static_cast<std::ptrdiff_t>(edges.start[i]);
         const auto end = edges.items.begin() + static_cast<std::ptrdiff_t>(edges.start[i + 1]);
         std::sort(begin, end, [](const HalfEdge& a, const HalfEdge& b) { return a.high < b.high; });
@@ -85,7 +90,7 @@ std::vector<Closure> labelClosures(const VoxelGrid& grid, const DigitalSurface& 
                       closures);
             from = to;
         }
-    }
+    });
     return closures;
 }
 

@@ -17,9 +17,10 @@ enum class Closure : std::uint8_t {
 
 /// Whether the boundary of each label is closed, by pointels and not by their places: what was
 /// split must be closed by itself.
-/// @return  one entry a label, label 1 first
+/// @return  one entry a label, label 1 first. Means nothing once `run` asked to stop.
 /// @cost    O(surfels) time, 36 bytes a surfel for a while
 [[nodiscard]] std::vector<Closure> labelClosures(const VoxelGrid& grid,
-                                                 const DigitalSurface& surface);
+                                                 const DigitalSurface& surface,
+                                                 const RunContext& run = {});
 
 }  // namespace rivage::core

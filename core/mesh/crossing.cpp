@@ -3,7 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <numeric>
 
+#include "core/base/parallel.h"
 #include "core/mesh/diagonal.h"
 #include "core/surface/split_umbrellas.h"
 
@@ -79,32 +81,55 @@ struct SplitCorner {
     SurfelId face;
 };
 
-std::vector<SplitCorner> splitCorners(const DigitalSurface& surface) {
-    std::vector<SplitCorner> found;
-    for (std::uint32_t s = 0; s < surface.surfelCount(); ++s)
-        for (const PointelId p : surface.corners[SurfelId{s}])
-            if (isSplit(surface, p)) found.push_back({p, SurfelId{s}});
-    std::stable_sort(found.begin(), found.end(), [](const SplitCorner& a, const SplitCorner& b) {
-        return a.pointel < b.pointel;
-    });
+// By pointel, then by face.
+std::vector<SplitCorner> splitCorners(const DigitalSurface& surface, const RunContext& run) {
+    std::vector<std::uint32_t> next(surface.pointelCount() + 1);
+    const auto forEachCorner = [&](auto&& visit) {
+        serialFor(surface.surfelCount(), run, [&](std::size_t i) {
+            const SurfelId s{static_cast<std::uint32_t>(i)};
+            for (const PointelId p : surface.corners[s])
+                if (isSplit(surface, p)) visit(p, s);
+        });
+    };
+    forEachCorner([&](PointelId p, SurfelId) { ++next[index(p) + 1U]; });
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    std::vector<SplitCorner> found(next.back());
+    forEachCorner([&](PointelId p, SurfelId s) { found[next[index(p)]++] = {p, s}; });
     return found;
+}
+
+// Sorts, and drops what is there twice. By the first face without comparisons: a sort of millions
+// of pairs could not be stopped.
+std::vector<FacePair> sortedOnce(const std::vector<FacePair>& pairs, std::size_t faces,
+                                 const RunContext& run) {
+    std::vector<std::uint32_t> start(faces + 1);
+    serialFor(pairs.size(), run, [&](std::size_t i) { ++start[index(pairs[i].first) + 1U]; });
+    std::partial_sum(start.begin(), start.end(), start.begin());
+    std::vector<FacePair> sorted(pairs.size());
+    std::vector<std::uint32_t> next(start.begin(), start.end() - 1);
+    serialFor(pairs.size(), run,
+              [&](std::size_t i) { sorted[next[index(pairs[i].first)]++] = pairs[i]; });
+    serialFor(faces, run, [&](std::size_t f) {
+        std::sort(sorted.begin() + start[f], sorted.begin() + start[f + 1]);
+    });
+    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+    return sorted;
 }
 
 }  // namespace
 
-std::vector<FacePair> touchingFaces(const DigitalSurface& surface) {
-    const std::vector<SplitCorner> corners = splitCorners(surface);
+std::vector<FacePair> touchingFaces(const DigitalSurface& surface, const RunContext& run) {
+    const std::vector<SplitCorner> corners = splitCorners(surface, run);
     std::vector<FacePair> pairs;
-    for (std::size_t i = 0; i < corners.size(); ++i)
+    serialFor(corners.size(), run, [&](std::size_t i) {
         for (std::size_t j = i + 1; j < corners.size(); ++j) {
             const auto& [p, s] = corners[i];
             const auto& [q, t] = corners[j];
             if (surface.pointels[p] != surface.pointels[q]) break;
             if (p != q && !sharePointel(surface, s, t)) pairs.push_back(std::minmax(s, t));
         }
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    return pairs;
+    });
+    return sortedOnce(pairs, surface.surfelCount(), run);
 }
 
 bool facesCross(const DigitalSurface& surface, const IdVector<PointelId, Vec3d>& positions,
@@ -116,10 +141,13 @@ bool facesCross(const DigitalSurface& surface, const IdVector<PointelId, Vec3d>&
 }
 
 std::vector<FacePair> crossingFaces(const DigitalSurface& surface,
-                                    const IdVector<PointelId, Vec3d>& positions) {
+                                    const IdVector<PointelId, Vec3d>& positions,
+                                    const RunContext& run) {
+    const std::vector<FacePair> pairs = touchingFaces(surface, run);
     std::vector<FacePair> crossing;
-    for (const FacePair& pair : touchingFaces(surface))
-        if (facesCross(surface, positions, pair)) crossing.push_back(pair);
+    serialFor(pairs.size(), run, [&](std::size_t i) {
+        if (facesCross(surface, positions, pairs[i])) crossing.push_back(pairs[i]);
+    });
     return crossing;
 }
 

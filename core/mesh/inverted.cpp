@@ -42,7 +42,7 @@ public:
     TangleFinder(const DigitalSurface& surface, const RunContext& run)
         : surface_(surface),
           run_(run),
-          touching_(touchingFaces(surface)),
+          touching_(touchingFaces(surface, run)),
           inverted_(surface.surfelCount()),
           crossing_(touching_.size()) {}
 
@@ -61,16 +61,18 @@ public:
     /// Sets the flags of the pointels that are to be drawn back, and clears the others.
     void choose(const IdVector<PointelId, Vec3d>& positions, Flags& chosen) const {
         std::fill(chosen.begin(), chosen.end(), std::uint8_t{0});
-        for (std::uint32_t i = 0; i < inverted_.size(); ++i)
-            if (inverted_[i] != 0) chooseAll(SurfelId{i}, chosen);
-        for (std::size_t i = 0; i < touching_.size(); ++i)
+        serialFor(inverted_.size(), run_, [&](std::size_t i) {
+            if (inverted_[i] != 0) chooseAll(SurfelId{static_cast<std::uint32_t>(i)}, chosen);
+        });
+        serialFor(touching_.size(), run_, [&](std::size_t i) {
             if (crossing_[i] != 0) choosePair(touching_[i], positions, chosen);
+        });
     }
 
 private:
     template <typename Body>
     void forEach(std::size_t count, const Body& body) const {
-        parallelBlocks(count, 4096, run_.threads, [&](std::size_t begin, std::size_t end) {
+        parallelBlocks(count, 4096, run_, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) body(i);
         });
     }
@@ -114,10 +116,13 @@ Vec3d drawnBack(const Vec3d& position, const Vec3d& rest) {
 }  // namespace
 
 std::vector<SurfelId> invertedFaces(const DigitalSurface& surface,
-                                    const IdVector<PointelId, Vec3d>& positions) {
+                                    const IdVector<PointelId, Vec3d>& positions,
+                                    const RunContext& run) {
     std::vector<SurfelId> found;
-    for (std::uint32_t i = 0; i < surface.surfelCount(); ++i)
-        if (isInverted(surface, SurfelId{i}, positions)) found.push_back(SurfelId{i});
+    serialFor(surface.surfelCount(), run, [&](std::size_t i) {
+        const SurfelId s{static_cast<std::uint32_t>(i)};
+        if (isInverted(surface, s, positions)) found.push_back(s);
+    });
     return found;
 }
 
@@ -132,10 +137,10 @@ Tangles untangle(const DigitalSurface& surface, IdVector<PointelId, Vec3d>& posi
         if (round == 0) atFirst = found;
         if (found.inverted + found.crossing == 0) break;
         finder.choose(positions, moved);
-        for (std::uint32_t i = 0; i < surface.pointelCount(); ++i) {
-            const PointelId p{i};
+        serialFor(surface.pointelCount(), run, [&](std::size_t i) {
+            const PointelId p{static_cast<std::uint32_t>(i)};
             if (moved[p] != 0) positions[p] = drawnBack(positions[p], surface.position(p));
-        }
+        });
     }
     return atFirst;
 }

@@ -11,11 +11,12 @@ namespace rivage::core {
 
 /// The faces that are folded over or collapsed: two of their corner normals point more than a
 /// right angle apart, their area is below 2 % of that on the lattice, or a position is not finite.
-/// @return  ascending
+/// @return  ascending; some are missing once `run` asked to stop
 /// @cost    O(surfels)
 /// @source  METHOD.md 7.3
 [[nodiscard]] std::vector<SurfelId> invertedFaces(const DigitalSurface& surface,
-                                                  const IdVector<PointelId, Vec3d>& positions);
+                                                  const IdVector<PointelId, Vec3d>& positions,
+                                                  const RunContext& run = {});
 
 /// What `untangle` found before it moved anything.
 struct Tangles {

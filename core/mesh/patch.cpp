@@ -22,16 +22,18 @@ std::uint32_t edgeBetween(const DigitalSurface& surface, SurfelId s, PointelId a
 
 }  // namespace
 
-IdVector<SurfelId, std::uint32_t> ranksInInterface(const DigitalSurface& surface) {
+IdVector<SurfelId, std::uint32_t> ranksInInterface(const DigitalSurface& surface,
+                                                   const RunContext& run) {
     IdVector<SurfelId, std::uint32_t> ranks(surface.surfelCount());
     for (const Interface& sheet : surface.interfaces)
-        for (std::uint32_t i = sheet.begin; i < sheet.end; ++i)
-            ranks[surface.byInterface[i]] = i - sheet.begin;
+        serialFor(sheet.end - sheet.begin, run, [&](std::size_t i) {
+            ranks[surface.byInterface[sheet.begin + i]] = static_cast<std::uint32_t>(i);
+        });
     return ranks;
 }
 
 Patch buildPatch(const DigitalSurface& surface, InterfaceId which, const SurfelLinks& links,
-                 const IdVector<SurfelId, std::uint32_t>& ranks, int threads) {
+                 const IdVector<SurfelId, std::uint32_t>& ranks, const Workers& workers) {
     const Interface& sheet = surface.interfaces[which];
     Patch patch;
     patch.surfels = std::span(surface.byInterface).subspan(sheet.begin, sheet.end - sheet.begin);
@@ -46,28 +48,31 @@ Patch buildPatch(const DigitalSurface& surface, InterfaceId which, const SurfelL
             patch.across[4 * face + k] = 4 * ranks[t] + edge;
         }
     };
-    parallelBlocks(patch.faceCount(), 2048, threads, [&](std::size_t begin, std::size_t end) {
+    parallelBlocks(patch.faceCount(), 2048, workers, [&](std::size_t begin, std::size_t end) {
         for (std::size_t face = begin; face < end; ++face) joinFace(face);
     });
     return patch;
 }
 
-CornerGroups groupFans(const Patch& patch, const std::vector<std::uint8_t>& joined) {
+CornerGroups groupFans(const Patch& patch, const std::vector<std::uint8_t>& joined,
+                       const Workers& workers) {
     UnionFind sets(patch.cornerCount());
-    for (std::uint32_t edge = 0; edge < patch.cornerCount(); ++edge) {
+    serialFor(patch.cornerCount(), workers, [&](std::size_t i) {
+        const auto edge = static_cast<std::uint32_t>(i);
         const std::uint32_t other = patch.across[edge];
         // Every pair is seen twice, once from each side.
-        if (other == kNoEdge || other < edge || (!joined.empty() && joined[edge] == 0)) continue;
+        if (other == kNoEdge || other < edge || (!joined.empty() && joined[edge] == 0)) return;
         // Faces of one interface wind alike, so they run along a shared linel in opposite ways.
         sets.join(edge, nextCorner(other));
         sets.join(nextCorner(edge), other);
-    }
+    });
     CornerGroups groups;
     groups.of.resize(patch.cornerCount());
-    for (std::uint32_t c = 0; c < patch.cornerCount(); ++c) {
+    serialFor(patch.cornerCount(), workers, [&](std::size_t i) {
+        const auto c = static_cast<std::uint32_t>(i);
         const std::uint32_t root = sets.find(c);
         groups.of[c] = root == c ? groups.count++ : groups.of[root];
-    }
+    });
     return groups;
 }
 

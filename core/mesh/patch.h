@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/parallel.h"
 #include "core/surface/digital_surface.h"
 #include "core/surface/surfel_links.h"
 
@@ -35,7 +36,8 @@ struct Patch {
 }
 
 /// Ranks of all surfels within their interfaces.
-[[nodiscard]] IdVector<SurfelId, std::uint32_t> ranksInInterface(const DigitalSurface& surface);
+[[nodiscard]] IdVector<SurfelId, std::uint32_t> ranksInInterface(const DigitalSurface& surface,
+                                                                 const RunContext& run = {});
 
 /// An interface with its faces joined across linels as `linkSurfels` joins surfels: the two sides
 /// of a thin sheet stay apart.
@@ -44,7 +46,8 @@ struct Patch {
 /// @cost         O(faces) time, 16 bytes a face
 [[nodiscard]] Patch buildPatch(const DigitalSurface& surface, InterfaceId which,
                                const SurfelLinks& links,
-                               const IdVector<SurfelId, std::uint32_t>& ranks, int threads);
+                               const IdVector<SurfelId, std::uint32_t>& ranks,
+                               const Workers& workers);
 
 /// A partition of the corners of a patch.
 struct CornerGroups {
@@ -52,9 +55,11 @@ struct CornerGroups {
     std::uint32_t count = 0;
 };
 
-/// Corners that are connected by a fan of faces around their pointel.
+/// Corners that are connected by a fan of faces around their pointel. In this thread; means nothing
+/// once the workers are asked to stop.
 /// @param joined  one flag an edge: whether fans continue across it; empty means all do
 /// @cost          nearly O(corners) time, 8 bytes a corner
-[[nodiscard]] CornerGroups groupFans(const Patch& patch, const std::vector<std::uint8_t>& joined);
+[[nodiscard]] CornerGroups groupFans(const Patch& patch, const std::vector<std::uint8_t>& joined,
+                                     const Workers& workers = 1);
 
 }  // namespace rivage::core

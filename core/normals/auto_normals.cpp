@@ -29,7 +29,7 @@ Result<IdVector<SurfelId, float>> growth(const SurfelLinks& links, const NormalF
                                          const RunContext& run) {
     auto rounds = curvatures(links, normals, run);
     if (!rounds) return rounds;
-    for (std::size_t i = 0; i < bent.size(); ++i) {
+    const bool done = parallelFor(bent.size(), run, [&](std::size_t i) {
         float& value = rounds->raw()[i];
         constexpr float kFlattest = 1e-6F;
         const double radius = std::sqrt(2 * kSagitta / std::max(value, kFlattest));
@@ -37,7 +37,8 @@ Result<IdVector<SurfelId, float>> growth(const SurfelLinks& links, const NormalF
                     ? 0
                     : static_cast<float>(
                           roundsBetween(kSmoothRadius, std::min(kLargestRadius, radius)));
-    }
+    });
+    if (!done) return fail(run.stopError());
     return rounds;
 }
 
@@ -50,10 +51,11 @@ Result<void> takeRobust(const DigitalSurface& surface, const SurfelLinks& links,
     const auto robust = robustNormals(
         surface, links, [&](SurfelId s) { return noiseAt(s) > 0; }, run);
     if (!robust) return fail(robust.error());
-    for (std::size_t i = 0; i < normals.size(); ++i) {
+    const bool done = parallelFor(normals.size(), run, [&](std::size_t i) {
         const SurfelId s{static_cast<std::uint32_t>(i)};
         normals[s] = blend(normals[s], (*robust)[s], noiseAt(s));
-    }
+    });
+    if (!done) return fail(run.stopError());
     return {};
 }
 
@@ -61,16 +63,16 @@ Result<void> takeRobust(const DigitalSurface& surface, const SurfelLinks& links,
 std::vector<InterfaceNormals> describe(const DigitalSurface& surface,
                                        const IdVector<SurfelId, float>& creased,
                                        const IdVector<SurfelId, float>& rounds, double radius,
-                                       const std::vector<double>& noise) {
+                                       const std::vector<double>& noise, const RunContext& run) {
     std::vector<InterfaceNormals> choices;
     for (const Interface& patch : surface.interfaces) {
         InterfaceNormals& choice = choices.emplace_back();
         choice.noise = noise[choices.size() - 1];
-        for (std::uint32_t i = patch.begin; i < patch.end; ++i) {
-            const SurfelId s = surface.byInterface[i];
+        serialFor(patch.end - patch.begin, run, [&](std::size_t i) {
+            const SurfelId s = surface.byInterface[patch.begin + i];
             choice.sharp += creased[s];
             choice.radius += std::sqrt(radius * radius + rounds[s] / roundsBetween(0, 1));
-        }
+        });
         const double count = std::max<std::uint32_t>(1, patch.end - patch.begin);
         choice.sharp /= count;
         choice.radius /= count;
@@ -86,10 +88,11 @@ Result<NormalEstimate> autoNormals(const DigitalSurface& surface, const SurfelLi
     if (!cut) return fail(cut.error());
     auto smooth = smoothNormals(surface, *cut, radius.value_or(kSmoothRadius), run);
     if (!smooth) return fail(smooth.error());
-    const std::vector<double> noise = noiseLevels(surface, smooth->density);
+    const std::vector<double> noise = noiseLevels(surface, smooth->density, run);
     auto bent = dilate(*cut, std::move(smooth->flatness), kCreaseLinks, run);
-    for (std::size_t i = 0; i < bent.size(); ++i)
+    serialFor(bent.size(), run, [&](std::size_t i) {
         if (noise[index(surface.interfaceOf.raw()[i])] == 1) bent.raw()[i] = 0;
+    });
     const auto creases = creaseNormals(surface, *cut, bent, run);
     if (!creases) return fail(creases.error());
 
@@ -101,14 +104,16 @@ Result<NormalEstimate> autoNormals(const DigitalSurface& surface, const SurfelLi
     }
     auto normals = diffuse(*cut, std::move(smooth->normals), rounds, run);
     if (!normals) return fail(normals.error());
-    for (std::size_t i = 0; i < surface.surfelCount(); ++i) {
+    const bool blended = parallelFor(surface.surfelCount(), run, [&](std::size_t i) {
         const SurfelId s{static_cast<std::uint32_t>(i)};
         (*normals)[s] = blend((*normals)[s].normalized(), creases->normals[s], creases->share[s]);
-    }
+    });
+    if (!blended) return fail(run.stopError());
     if (const auto robust = takeRobust(surface, links, noise, run, *normals); !robust)
         return fail(robust.error());
-    return NormalEstimate{*std::move(normals), describe(surface, creases->share, rounds,
-                                                        radius.value_or(kSmoothRadius), noise)};
+    return NormalEstimate{
+        *std::move(normals),
+        describe(surface, creases->share, rounds, radius.value_or(kSmoothRadius), noise, run)};
 }
 
 Result<NormalField> discVoteNormals(const DigitalSurface& surface, const SurfelLinks& links,

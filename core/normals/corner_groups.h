@@ -18,6 +18,7 @@ struct InterfacePointels {
 };
 
 /// @cost O(surfels), 36 bytes a surfel
-InterfacePointels groupCorners(const DigitalSurface& surface, const SurfelLinks& links);
+InterfacePointels groupCorners(const DigitalSurface& surface, const SurfelLinks& links,
+                               const RunContext& run);
 
 }  // namespace rivage::core

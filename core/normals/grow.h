@@ -24,7 +24,7 @@ Result<IdVector<SurfelId, Value>> diffuse(const SurfelLinks& links, IdVector<Sur
     for (const float time : rounds) longest = std::max(longest, time);
     IdVector<SurfelId, Value> next = field;
     for (float round = 0; round < longest; ++round) {
-        parallelBlocks(field.size(), 4096, run.threads, [&](std::size_t begin, std::size_t end) {
+        parallelBlocks(field.size(), 4096, run, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const SurfelId s{static_cast<std::uint32_t>(i)};
                 next[s] = field[s];
@@ -59,7 +59,7 @@ IdVector<SurfelId, Value> dilate(const SurfelLinks& links, IdVector<SurfelId, Va
                                  int rounds, const RunContext& run) {
     IdVector<SurfelId, Value> next = values;
     for (int round = 0; round < rounds && !run.stopped(); ++round) {
-        parallelBlocks(values.size(), 4096, run.threads, [&](std::size_t begin, std::size_t end) {
+        parallelBlocks(values.size(), 4096, run, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const SurfelId s{static_cast<std::uint32_t>(i)};
                 Value most = values[s];

@@ -36,18 +36,17 @@ double levelOf(std::vector<float> densities) {
 IdVector<SurfelId, std::uint8_t> findStandouts(const DigitalSurface& surface,
                                                const SurfelLinks& links, const RunContext& run) {
     IdVector<SurfelId, std::uint8_t> stands(surface.surfelCount());
-    parallelBlocks(surface.surfelCount(), 4096, run.threads,
-                   [&](std::size_t begin, std::size_t end) {
-                       for (std::size_t i = begin; i < end; ++i) {
-                           const SurfelId s{static_cast<std::uint32_t>(i)};
-                           stands[s] = standsOut(surface, links, s);
-                       }
-                   });
+    parallelBlocks(surface.surfelCount(), 4096, run, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const SurfelId s{static_cast<std::uint32_t>(i)};
+            stands[s] = standsOut(surface, links, s);
+        }
+    });
     return stands;
 }
 
 std::vector<double> noiseLevels(const DigitalSurface& surface,
-                                const IdVector<SurfelId, float>& density) {
+                                const IdVector<SurfelId, float>& density, const RunContext& run) {
     const double together = levelOf({density.begin(), density.end()});
     std::vector<double> levels;
     for (const Interface& patch : surface.interfaces) {
@@ -56,8 +55,9 @@ std::vector<double> noiseLevels(const DigitalSurface& surface,
             continue;
         }
         std::vector<float> own;
-        for (std::uint32_t i = patch.begin; i < patch.end; ++i)
-            own.push_back(density[surface.byInterface[i]]);
+        serialFor(patch.end - patch.begin, run, [&](std::size_t i) {
+            own.push_back(density[surface.byInterface[patch.begin + i]]);
+        });
         levels.push_back(levelOf(std::move(own)));
     }
     return levels;

@@ -24,6 +24,6 @@ IdVector<SurfelId, std::uint8_t> findStandouts(const DigitalSurface& surface,
 /// @cost    O(surfels)
 /// @source  ours
 std::vector<double> noiseLevels(const DigitalSurface& surface,
-                                const IdVector<SurfelId, float>& density);
+                                const IdVector<SurfelId, float>& density, const RunContext& run);
 
 }  // namespace rivage::core

@@ -58,12 +58,12 @@ private:
 
     template <typename Body>
     void forEach(Body&& body) const {
-        parallelBlocks(r_.size(), kBlock, run_.threads, [&](std::size_t begin, std::size_t end) {
+        parallelBlocks(r_.size(), kBlock, run_, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) body(i);
         });
     }
     [[nodiscard]] double dot(const std::vector<Value>& a, const std::vector<Value>& b) const {
-        return blockedSum(a.size(), run_.threads, 0.0, [&](std::size_t begin, std::size_t end) {
+        return blockedSum(a.size(), run_, 0.0, [&](std::size_t begin, std::size_t end) {
             double sum = 0;
             for (std::size_t i = begin; i < end; ++i) sum += product(a[i], b[i]);
             return sum;
@@ -117,7 +117,7 @@ public:
 private:
     template <typename Body>
     void forEach(std::size_t count, Body&& body) const {
-        parallelBlocks(count, kBlock, run_.threads, [&](std::size_t begin, std::size_t end) {
+        parallelBlocks(count, kBlock, run_, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) body(i);
         });
     }
@@ -218,18 +218,20 @@ Result<PiecewiseSmoothField> piecewiseSmoothNormals(const DigitalSurface& surfac
                                                     const NormalField& input,
                                                     const PiecewiseSmoothOptions& options,
                                                     const RunContext& run) {
-    AmbrosioTortorelli functional(links, input, groupCorners(surface, links), options, run);
+    AmbrosioTortorelli functional(links, input, groupCorners(surface, links, run), options, run);
+    if (run.stopped()) return fail(run.stopError());
     if (!functional.minimize()) return fail(run.stopError());
     PiecewiseSmoothField field{NormalField(input.size()),
                                IdVector<SurfelId, std::uint8_t>(input.size())};
-    for (std::size_t f = 0; f < input.size(); ++f) {
+    const bool done = parallelFor(input.size(), run, [&](std::size_t f) {
         const SurfelId s{static_cast<std::uint32_t>(f)};
         const Vec3d& u = functional.normals()[f];
         constexpr double kCancelled = 1e-9;
         field.normals[s] = u.norm() > kCancelled ? Vec3d(u.normalized()) : input[s];
         for (std::size_t k = 0; k < 4; ++k)
             if (functional.isFeature(f, k)) field.features[s] |= static_cast<std::uint8_t>(1U << k);
-    }
+    });
+    if (!done) return fail(run.stopError());
     return field;
 }
 

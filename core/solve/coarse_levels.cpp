@@ -85,16 +85,18 @@ struct CoarseLevels::Graph {
 
 CoarseLevels::CoarseLevels(const Energy& energy, const FloatOperator& operation,
                            const RunContext& run)
-    : threads_(energy.threads()) {
+    : workers_(energy.workers()) {
     constexpr std::size_t kFewest = 8;  // pieces; a coarser level would add nothing
     if (run.stopped()) return;
     Graph graph{{}, {}, listEdges(energy, operation, run)};
-    for (std::size_t n = 0; n < energy.size(); ++n) {
+    serialFor(energy.size(), run, [&](std::size_t n) {
         const Vec3i& at = energy.surface().pointels.raw()[n];
         graph.boxes.push_back({at.x(), at.y(), at.z()});
         graph.alpha.push_back(static_cast<float>(energy.weights().alpha.raw()[n]));
-    }
-    while (graph.boxes.size() > kFewest && !graph.edges.empty() && !run.stopped()) addLevel(graph);
+    });
+    if (run.stopped()) return;
+    while (graph.boxes.size() > kFewest && !graph.edges.empty() && !workers_.stopped())
+        addLevel(graph);
 }
 
 void CoarseLevels::addLevel(Graph& graph) {
@@ -102,15 +104,18 @@ void CoarseLevels::addLevel(Graph& graph) {
     for (auto& box : graph.boxes)
         for (int& side : box) side >>= 1;
     Sets sets(count);
-    for (const Edge& e : graph.edges)
+    serialFor(graph.edges.size(), workers_, [&](std::size_t i) {
+        const Edge& e = graph.edges[i];
         if (graph.boxes[e.a] == graph.boxes[e.b]) sets.unite(e.a, e.b);
+    });
 
     Level level;
     Graph above;
     level.parent.resize(count);
     level.start.assign(1, 0);
     std::vector<std::uint32_t> sizes;
-    for (std::uint32_t i = 0; i < count; ++i) {
+    serialFor(count, workers_, [&](std::size_t k) {
+        const auto i = static_cast<std::uint32_t>(k);
         const std::uint32_t first = sets.find(i);
         if (first == i) {
             level.parent[i] = static_cast<std::uint32_t>(above.boxes.size());
@@ -121,23 +126,28 @@ void CoarseLevels::addLevel(Graph& graph) {
         const std::uint32_t piece = level.parent[i] = level.parent[first];
         above.alpha[piece] += graph.alpha[i];
         ++sizes[piece];
-    }
+    });
+    // A level that lacks members would lead astray whoever still uses it.
+    if (workers_.stopped()) return;
     for (const std::uint32_t size : sizes) level.start.push_back(level.start.back() + size);
     level.members.resize(count);
     std::vector<std::uint32_t> next(level.start.begin(), level.start.end() - 1);
-    for (std::uint32_t i = 0; i < count; ++i) level.members[next[level.parent[i]]++] = i;
+    serialFor(count, workers_, [&](std::size_t i) {
+        level.members[next[level.parent[i]]++] = static_cast<std::uint32_t>(i);
+    });
 
     for (const float alpha : above.alpha)
         level.inverse.push_back({Lanes{alpha, alpha, alpha, 0}, Lanes{}});
-    for (const Edge& e : graph.edges) {
+    serialFor(graph.edges.size(), workers_, [&](std::size_t i) {
+        const Edge& e = graph.edges[i];
         const Edge lifted{level.parent[e.a], level.parent[e.b], e.block};
-        if (lifted.a == lifted.b) continue;
+        if (lifted.a == lifted.b) return;
         for (const std::uint32_t end : {lifted.a, lifted.b}) {
             level.inverse[end].diagonal += e.block.diagonal;
             level.inverse[end].beside += e.block.beside;
         }
         above.edges.push_back(lifted);
-    }
+    });
     for (Symmetric3& block : level.inverse) block = inverseOf(block);
     level.sum.resize(above.boxes.size());
     level.correction.resize(above.boxes.size());
@@ -148,7 +158,7 @@ void CoarseLevels::addLevel(Graph& graph) {
 double CoarseLevels::solve(const FloatVectors& r) {
     const std::vector<Float4>* below = &r.raw();
     for (Level& level : levels_) {
-        parallelBlocks(level.sum.size(), kBlock, threads_, [&](std::size_t begin, std::size_t end) {
+        parallelBlocks(level.sum.size(), kBlock, workers_, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 Lanes sum{};
                 for (std::uint32_t m = level.start[i]; m < level.start[i + 1]; ++m)
@@ -164,7 +174,7 @@ double CoarseLevels::solve(const FloatVectors& r) {
         Level& level = levels_[l];
         const Level* above = l + 1 < levels_.size() ? &levels_[l + 1] : nullptr;
         inner =
-            blockedSum(level.sum.size(), threads_, 0.0, [&](std::size_t begin, std::size_t end) {
+            blockedSum(level.sum.size(), workers_, 0.0, [&](std::size_t begin, std::size_t end) {
                 double partial = 0;
                 for (std::size_t i = begin; i < end; ++i) {
                     Lanes c = product(level.inverse[i], level.sum[i].lanes);

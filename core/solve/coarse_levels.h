@@ -45,7 +45,7 @@ private:
 
     void addLevel(Graph& graph);
 
-    int threads_;
+    Workers workers_;
     std::vector<Level> levels_;  // finest first
 };
 

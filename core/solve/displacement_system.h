@@ -16,7 +16,7 @@ public:
     [[nodiscard]] const Energy& energy() const { return energy_; }
     [[nodiscard]] const PointelVectors& rightSide() const { return rightSide_; }
     [[nodiscard]] std::size_t size() const { return energy_.size(); }
-    [[nodiscard]] int threads() const { return energy_.threads(); }
+    [[nodiscard]] const Workers& workers() const { return energy_.workers(); }
     /// out = H d
     void apply(const PointelVectors& d, PointelVectors& out) { energy_.apply(d, out, scratch_); }
     /// out = H d - b, half the gradient of the energy at p + d
@@ -27,7 +27,7 @@ public:
     /// Calls `body(i)` for every pointel, in parallel; one writer per element.
     template <typename Body>
     void forEach(Body&& body) const {
-        parallelBlocks(size(), kBlock, threads(), [&](std::size_t begin, std::size_t end) {
+        parallelBlocks(size(), kBlock, workers(), [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i)
                 body(PointelId{static_cast<std::uint32_t>(i)});
         });
@@ -36,7 +36,7 @@ public:
     template <typename Value, typename Term>
     [[nodiscard]] Value sum(Value zero, Term&& term) const {
         return blockedSum(
-            size(), threads(), zero,
+            size(), workers(), zero,
             [&](std::size_t begin, std::size_t end) {
                 Value partial = zero;
                 for (std::size_t i = begin; i < end; ++i)

@@ -23,7 +23,7 @@ public:
     [[nodiscard]] const FloatVectors& correction() const { return e_; }
 
 private:
-    int threads_;
+    Workers workers_;
     FloatOperator& operation_;
     Preconditioner& preconditioner_;
     FloatVectors e_;

@@ -16,7 +16,7 @@ constexpr float kStep = 1.8F;
 FloatMprgp::FloatMprgp(const Energy& energy, FloatOperator& operation,
                        Preconditioner& preconditioner)
     : size_(energy.size()),
-      threads_(energy.threads()),
+      workers_(energy.workers()),
       operation_(operation),
       preconditioner_(preconditioner),
       inverseMetric_(size_),
@@ -36,7 +36,7 @@ void FloatMprgp::chooseMetric(const Energy& energy) {
     constexpr int kPowerSteps = 8;
     constexpr float kMargin = 1.15F;  // over what the power iterations have not yet found
     const IdVector<PointelId, double> safe = energy.majorizer();
-    forEachLanes(size_, threads_, [&](std::size_t i) {
+    forEachLanes(size_, workers_, [&](std::size_t i) {
         const Symmetric3& block = preconditioner_.blocks().raw()[i];
         const Lanes beside = block.beside < 0 ? -block.beside : block.beside;
         const Lanes m = block.diagonal + beside + turnedTwice(beside) +
@@ -53,23 +53,23 @@ void FloatMprgp::chooseMetric(const Energy& energy) {
     for (int k = 0; k < kPowerSteps; ++k) {
         operation_.apply(p_, q_);
         // |M^-1/2 H M^-1/2| by the growth of p -> M^-1 H p in the norm of M.
-        const double before = sumLanes(size_, threads_, [&](std::size_t i) {
+        const double before = sumLanes(size_, workers_, [&](std::size_t i) {
             const Lanes p = p_.raw()[i].lanes;
             return p * p / (inverseMetric_.raw()[i].lanes + Lanes{0, 0, 0, 1});
         });
-        const double after = sumLanes(size_, threads_, [&](std::size_t i) {
+        const double after = sumLanes(size_, workers_, [&](std::size_t i) {
             const Lanes q = q_.raw()[i].lanes;
             return q * q * inverseMetric_.raw()[i].lanes;
         });
         if (!(before > 0 && after > 0)) break;
         largest = static_cast<float>(std::sqrt(after / before));
         const auto scale = static_cast<float>(1 / std::sqrt(after));
-        forEachLanes(size_, threads_, [&](std::size_t i) {
+        forEachLanes(size_, workers_, [&](std::size_t i) {
             p_.raw()[i].lanes = scale * q_.raw()[i].lanes * inverseMetric_.raw()[i].lanes;
         });
     }
     const float scale = largest > 0 ? 1 / (kMargin * largest) : 1;
-    forEachLanes(size_, threads_, [&](std::size_t i) { inverseMetric_.raw()[i].lanes *= scale; });
+    forEachLanes(size_, workers_, [&](std::size_t i) { inverseMetric_.raw()[i].lanes *= scale; });
 
     // The data term alone bounds the eigenvalues of M^-1 H from below.
     float smallest = 1;
@@ -89,7 +89,7 @@ void FloatMprgp::start(const FloatVectors& lo, const FloatVectors& hi,
     startGradient_ = gradient;
     g_ = gradient;
     momentum_ = 1;
-    forEachLanes(size_, threads_, [&](std::size_t i) {
+    forEachLanes(size_, workers_, [&](std::size_t i) {
         e_.raw()[i].lanes = Lanes{};
         p_.raw()[i].lanes = Lanes{};
     });
@@ -136,12 +136,12 @@ void FloatMprgp::approachStep() {
     FloatVectors& last = p_;
     FloatVectors& ahead = work_;
     const Momentum momentum = nextMomentum();
-    forEachLanes(size_, threads_, [&](std::size_t i) {
+    forEachLanes(size_, workers_, [&](std::size_t i) {
         const Lanes e = e_.raw()[i].lanes;
         ahead.raw()[i].lanes = e + momentum.look * (e - last.raw()[i].lanes);
     });
     operation_.apply(ahead, q_);
-    forEachLanes(size_, threads_, [&](std::size_t i) {
+    forEachLanes(size_, workers_, [&](std::size_t i) {
         const Lanes e = e_.raw()[i].lanes;
         const Lanes gradient = q_.raw()[i].lanes + startGradient_.raw()[i].lanes;
         const Lanes down = momentum.step * inverseMetric_.raw()[i].lanes * gradient;
@@ -158,7 +158,7 @@ void FloatMprgp::measure() {
 
 void FloatMprgp::recomputeGradient() {
     operation_.apply(e_, q_);
-    forEachLanes(size_, threads_, [&](std::size_t i) {
+    forEachLanes(size_, workers_, [&](std::size_t i) {
         g_.raw()[i].lanes = q_.raw()[i].lanes + startGradient_.raw()[i].lanes;
     });
 }
@@ -175,7 +175,7 @@ void FloatMprgp::judge() {
         sum += double{v[0]} + double{v[1]} + double{v[2]};
     };
     const Sums sums = blockedSum(
-        size_, threads_, Sums{},
+        size_, workers_, Sums{},
         [&](std::size_t begin, std::size_t end) {
             Sums block;
             for (std::size_t i = begin; i < end;) {
@@ -204,18 +204,18 @@ void FloatMprgp::judge() {
 // Begins conjugate gradients on the face of the box that e is on.
 void FloatMprgp::restart() {
     FloatVectors& free = work_;
-    forEachLanes(size_, threads_, [&](std::size_t i) {
+    forEachLanes(size_, workers_, [&](std::size_t i) {
         const Lanes e = e_.raw()[i].lanes;
         const Lanes one{1, 1, 1, 0};
         const auto inside = (e < hi_.raw()[i].lanes) & (e > lo_.raw()[i].lanes);
         free.raw()[i].lanes = inside ? one : Lanes{};
     });
     preconditioner_.setFree(free);
-    forEachLanes(size_, threads_, [&](std::size_t i) {
+    forEachLanes(size_, workers_, [&](std::size_t i) {
         q_.raw()[i].lanes = g_.raw()[i].lanes * free.raw()[i].lanes;
     });
     rz_ = preconditioner_.apply(q_);
-    forEachLanes(size_, threads_,
+    forEachLanes(size_, workers_,
                  [&](std::size_t i) { p_.raw()[i].lanes = preconditioner_.result(i); });
 }
 
@@ -230,7 +230,7 @@ struct FloatMprgp::Lengths {
 // p . H p, p . g, and the largest step against p that stays in the box.
 FloatMprgp::Lengths FloatMprgp::lengthsAlong() const {
     return blockedSum(
-        size_, threads_, Lengths{},
+        size_, workers_, Lengths{},
         [&](std::size_t begin, std::size_t end) {
             const Lanes unbounded = Lanes{} + std::numeric_limits<float>::infinity();
             Lengths block;
@@ -269,7 +269,7 @@ int FloatMprgp::conjugateStep() {
     const auto best = static_cast<float>(lengths.descent / lengths.curvature);
     if (best > lengths.feasible) return 1 + expand(best, lengths.feasible);
     const FloatVectors& free = preconditioner_.free();
-    forEachLanes(size_, threads_, [&](std::size_t i) {
+    forEachLanes(size_, workers_, [&](std::size_t i) {
         e_.raw()[i].lanes = clamped(i, e_.raw()[i].lanes - best * p_.raw()[i].lanes);
         g_.raw()[i].lanes -= best * q_.raw()[i].lanes;
         work_.raw()[i].lanes = g_.raw()[i].lanes * free.raw()[i].lanes;
@@ -277,7 +277,7 @@ int FloatMprgp::conjugateStep() {
     const double rz = preconditioner_.apply(work_);
     const auto keep = static_cast<float>(rz / rz_);
     rz_ = rz;
-    forEachLanes(size_, threads_, [&](std::size_t i) {
+    forEachLanes(size_, workers_, [&](std::size_t i) {
         p_.raw()[i].lanes = preconditioner_.result(i) + keep * p_.raw()[i].lanes;
     });
     return 1;
@@ -285,7 +285,7 @@ int FloatMprgp::conjugateStep() {
 
 // The energy less that at e = 0.
 double FloatMprgp::energy() const {
-    return sumLanes(size_, threads_, [&](std::size_t i) {
+    return sumLanes(size_, workers_, [&](std::size_t i) {
         return 0.5F * e_.raw()[i].lanes * (g_.raw()[i].lanes + startGradient_.raw()[i].lanes);
     });
 }
@@ -296,7 +296,7 @@ double FloatMprgp::energy() const {
 int FloatMprgp::expand(float best, float feasible) {
     const double before = energy();
     FloatVectors& last = work_;
-    forEachLanes(size_, threads_, [&](std::size_t i) {
+    forEachLanes(size_, workers_, [&](std::size_t i) {
         const Lanes e = e_.raw()[i].lanes;
         last.raw()[i].lanes = e;
         e_.raw()[i].lanes = clamped(i, e - best * p_.raw()[i].lanes);
@@ -304,11 +304,11 @@ int FloatMprgp::expand(float best, float feasible) {
     recomputeGradient();
     int applications = 1;
     if (!(energy() < before)) {
-        forEachLanes(size_, threads_, [&](std::size_t i) {
+        forEachLanes(size_, workers_, [&](std::size_t i) {
             e_.raw()[i].lanes = clamped(i, last.raw()[i].lanes - feasible * p_.raw()[i].lanes);
         });
         recomputeGradient();
-        forEachLanes(size_, threads_, [&](std::size_t i) {
+        forEachLanes(size_, workers_, [&](std::size_t i) {
             const Lanes down = kStep * inverseMetric_.raw()[i].lanes * freeGradient(i);
             e_.raw()[i].lanes = clamped(i, e_.raw()[i].lanes - down);
         });
@@ -321,7 +321,7 @@ int FloatMprgp::expand(float best, float feasible) {
 
 // Releases coordinates from their sides along the chopped gradient.
 int FloatMprgp::proportioningStep() {
-    forEachLanes(size_, threads_, [&](std::size_t i) {
+    forEachLanes(size_, workers_, [&](std::size_t i) {
         p_.raw()[i].lanes = inverseMetric_.raw()[i].lanes * choppedGradient(i);
     });
     operation_.apply(p_, q_);
@@ -329,7 +329,7 @@ int FloatMprgp::proportioningStep() {
     if (!(lengths.curvature > 0 && lengths.descent > 0)) return 0;
     const auto best = static_cast<float>(lengths.descent / lengths.curvature);
     const float length = std::min(best, lengths.feasible);
-    forEachLanes(size_, threads_, [&](std::size_t i) {
+    forEachLanes(size_, workers_, [&](std::size_t i) {
         e_.raw()[i].lanes = clamped(i, e_.raw()[i].lanes - length * p_.raw()[i].lanes);
         g_.raw()[i].lanes -= length * q_.raw()[i].lanes;
     });

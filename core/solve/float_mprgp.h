@@ -54,7 +54,7 @@ private:
     [[nodiscard]] Lanes clamped(std::size_t i, const Lanes& e) const;
 
     std::size_t size_;
-    int threads_;
+    Workers workers_;
     FloatOperator& operation_;
     Preconditioner& preconditioner_;
     FloatVectors inverseMetric_;

@@ -135,7 +135,7 @@ Result<LocalSolution> reminimizeAround(const Energy& energy, const PointelVector
     const SubProblem sub = cutOut(energy, part, previous);
     if (run.stopped()) return fail(run.stopError());
     const Energy subEnergy(sub.surface, sub.normals, sub.weights, energy.options(),
-                           energy.threads());
+                           energy.workers());
     const auto solution =
         minimize(subEnergy, options, run, {.positions = &sub.start, .held = &sub.held});
     if (!solution) return fail(solution.error());

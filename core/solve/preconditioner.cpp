@@ -6,7 +6,7 @@ namespace rivage::core {
 
 Preconditioner::Preconditioner(const Energy& energy, const FloatOperator& operation,
                                CoarseLevels* coarse)
-    : threads_(energy.threads()),
+    : workers_(energy.workers()),
       coarse_(coarse != nullptr && coarse->any() ? coarse : nullptr),
       blocks_(operation.diagonalBlocks()),
       inverses_(energy.size(), Symmetric3{}),
@@ -14,7 +14,7 @@ Preconditioner::Preconditioner(const Energy& energy, const FloatOperator& operat
       local_(energy.size()) {}
 
 void Preconditioner::setFree(const FloatVectors& free) {
-    forEachLanes(free_.size(), threads_, [&](std::size_t i) {
+    forEachLanes(free_.size(), workers_, [&](std::size_t i) {
         const Lanes mask = free.raw()[i].lanes;
         if (!anyLane(mask != free_.raw()[i].lanes)) return;
         free_.raw()[i].lanes = mask;
@@ -26,7 +26,7 @@ void Preconditioner::setFree(const FloatVectors& free) {
 }
 
 double Preconditioner::apply(const FloatVectors& r) {
-    const double local = sumLanes(local_.size(), threads_, [&](std::size_t i) {
+    const double local = sumLanes(local_.size(), workers_, [&](std::size_t i) {
         const Lanes here = r.raw()[i].lanes;
         const Lanes z = product(inverses_.raw()[i], here);
         local_.raw()[i].lanes = z;

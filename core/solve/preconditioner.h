@@ -25,7 +25,7 @@ public:
     [[nodiscard]] const IdVector<PointelId, Symmetric3>& blocks() const { return blocks_; }
 
 private:
-    int threads_;
+    Workers workers_;
     CoarseLevels* coarse_ = nullptr;
     IdVector<PointelId, Symmetric3> blocks_;
     IdVector<PointelId, Symmetric3> inverses_;

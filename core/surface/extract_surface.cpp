@@ -32,15 +32,16 @@ template <typename Visit>
 bool forEachRow(const VoxelGrid& grid, const RowTable& rows, const RunContext& run, Visit&& visit) {
     constexpr std::size_t kSlabs = 4;
     const std::vector<bool> stored = grid.voxels.storedRows();
-    parallelBlocks(rows.rowsZ, kSlabs, run.threads, [&](std::size_t begin, std::size_t end) {
+    constexpr int kPoll = 32;  // rows of up to 4096 voxels
+    return parallelBlocks(rows.rowsZ, kSlabs, run, [&](std::size_t begin, std::size_t end) {
         RowScan scan(grid, stored);
-        for (std::size_t z = begin; z < end && !run.stopped(); ++z)
+        for (std::size_t z = begin; z < end; ++z)
             for (int y = 0; y < rows.rowsY; ++y) {
+                if (y % kPoll == 0 && run.stopped()) return;
                 scan.moveTo(y, static_cast<int>(z));
                 if (scan.maybe()) visit(scan, y, static_cast<int>(z));
             }
     });
-    return !run.stopped();
 }
 
 bool countRows(const VoxelGrid& grid, RowTable& rows, const RunContext& run) {

@@ -19,17 +19,16 @@ std::vector<LabelPair> findPairs(const VoxelGrid& grid, const DigitalSurface& su
                                  const RunContext& run) {
     constexpr std::size_t kBlock = 1 << 16;
     std::vector<std::vector<LabelPair>> found((surface.surfelCount() + kBlock - 1) / kBlock);
-    parallelBlocks(surface.surfelCount(), kBlock, run.threads,
-                   [&](std::size_t begin, std::size_t end) {
-                       auto& pairs = found[begin / kBlock];
-                       for (std::size_t s = begin; s < end; ++s) {
-                           const LabelPair pair = pairOf(grid, surface, surfel(s));
-                           if (!pairs.empty() && pairs.back() == pair) continue;
-                           pairs.push_back(pair);
-                       }
-                       std::sort(pairs.begin(), pairs.end());
-                       pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-                   });
+    parallelBlocks(surface.surfelCount(), kBlock, run, [&](std::size_t begin, std::size_t end) {
+        auto& pairs = found[begin / kBlock];
+        for (std::size_t s = begin; s < end; ++s) {
+            const LabelPair pair = pairOf(grid, surface, surfel(s));
+            if (!pairs.empty() && pairs.back() == pair) continue;
+            pairs.push_back(pair);
+        }
+        std::sort(pairs.begin(), pairs.end());
+        pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    });
     std::vector<LabelPair> all;
     for (const auto& pairs : found) all.insert(all.end(), pairs.begin(), pairs.end());
     std::sort(all.begin(), all.end());
@@ -37,9 +36,10 @@ std::vector<LabelPair> findPairs(const VoxelGrid& grid, const DigitalSurface& su
     return all;
 }
 
-std::vector<std::uint64_t> countLabels(const VoxelGrid& grid) {
+std::vector<std::uint64_t> countLabels(const VoxelGrid& grid, const RunContext& run) {
     std::vector<std::uint64_t> materials(grid.materials.size());
-    grid.voxels.forEach([&](const Vec3i&, MaterialId m) { ++materials[index(m)]; });
+    grid.voxels.forEachUntil([&] { return run.stopped(); },
+                             [&](const Vec3i&, MaterialId m) { ++materials[index(m)]; });
     std::vector<std::uint64_t> labels(grid.labels.size());
     for (std::size_t m = 0; m < materials.size(); ++m)
         labels[index(grid.materials.raw()[m].label)] += materials[m];
@@ -66,9 +66,12 @@ bool groupInterfaces(const VoxelGrid& grid, DigitalSurface& surface, const RunCo
     });
     if (!assigned) return false;
 
-    const std::vector<std::uint64_t> voxels = countLabels(grid);
+    const std::vector<std::uint64_t> voxels = countLabels(grid, run);
     surface.interfaces.resize(pairs.size());
-    for (const InterfaceId id : surface.interfaceOf) ++surface.interfaces[id].end;
+    const bool counted = serialFor(surface.surfelCount(), run, [&](std::size_t s) {
+        ++surface.interfaces[surface.interfaceOf[surfel(s)]].end;
+    });
+    if (!counted) return false;
     std::uint32_t begin = 0;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         Interface& patch = surface.interfaces.raw()[i];
@@ -79,9 +82,9 @@ bool groupInterfaces(const VoxelGrid& grid, DigitalSurface& surface, const RunCo
         patch.end = patch.begin;
     }
     surface.byInterface.resize(surface.surfelCount());
-    for (std::size_t s = 0; s < surface.surfelCount(); ++s)
+    return serialFor(surface.surfelCount(), run, [&](std::size_t s) {
         surface.byInterface[surface.interfaces[surface.interfaceOf[surfel(s)]].end++] = surfel(s);
-    return true;
+    });
 }
 
 }  // namespace rivage::core

@@ -131,8 +131,8 @@ bool countFans(const DigitalSurface& surface, const SurfelLinks& links, const Ru
         starts[i + 1] =
             static_cast<std::uint64_t>(Fans(surface, links, around, pointel(i)).count());
     });
-    for (std::size_t i = 1; i < starts.size(); ++i) starts[i] += starts[i - 1];
-    return done;
+    return done && serialFor(surface.pointelCount(), run,
+                             [&](std::size_t i) { starts[i + 1] += starts[i]; });
 }
 
 /// Everything of the split surface that belongs to pointels, and the new corners.
@@ -229,7 +229,7 @@ Result<std::size_t> splitUmbrellas(DigitalSurface& surface, const SurfelLinks& l
                           "the digital surface has " + std::to_string(starts.back()) + " cells",
                           "/grid", kMaxCells, starts.back()});
     std::size_t split = 0;
-    for (std::size_t i = 0; i < before; ++i) split += isAlone(starts, pointel(i)) ? 0 : 1;
+    serialFor(before, run, [&](std::size_t i) { split += isAlone(starts, pointel(i)) ? 0 : 1; });
     if (split > 0) {
         Pieces pieces;
         if (!fillCorners(surface, links, starts, run, pieces)) return fail(run.stopError());
@@ -244,6 +244,7 @@ Result<std::size_t> splitUmbrellas(DigitalSurface& surface, const SurfelLinks& l
         if (!filled) return fail(run.stopError());
         replace(surface, std::move(pieces));
     }
+    if (run.stopped()) return fail(run.stopError());
     surface.firstSurfel = {};
     surface.surfelAxes = {};
     return split;
