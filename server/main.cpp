@@ -36,7 +36,7 @@ bool signalled(const sigset_t& signals, std::chrono::milliseconds wait) {
 
 [[noreturn]] void endAtOnce(const Address& address) {
     logWarning("killed", {{"reason", "second signal"}});
-    if (address.isUnix()) std::remove(address.path.c_str());
+    removeSocketFile(address);
     std::_Exit(130);
 }
 
@@ -78,18 +78,25 @@ int serve(const Settings& settings) {
     JobPool pool(settings.pool(), coreEngine(), logJob);
     Service service{
         .pool = pool, .limits = settings.limits(), .samples = coreSamples(), .assets = webAssets()};
-    HttpServer http({.connections = settings.connections, .observer = logRequest}, service);
+    HttpSettings httpSettings{.observer = logRequest};
+    httpSettings.net.connections = settings.connections;
+    HttpServer http(httpSettings, service);
     AdminServer admin(service);
 
     if (settings.adminListen != "off") {
-        const auto bound = admin.start(*parseAddress(settings.adminListen));
-        if (!bound) return refuse(bound.error());
-        logInfo("admin", {{"address", bound->url()}});
+        auto listener = listenOn(*parseAddress(settings.adminListen));
+        if (!listener) return refuse(listener.error());
+        const std::string url = listener->address.url();
+        if (auto started = admin.start(*std::move(listener)); !started)
+            return refuse(started.error());
+        logInfo("admin", {{"address", url}});
     }
-    const auto bound = http.start(*parseAddress(settings.listen));
-    if (!bound) return refuse(bound.error());
-    std::cout << "listening on " << bound->url() << std::endl;
-    logInfo("started", {{"address", bound->url()},
+    auto listener = listenOn(*parseAddress(settings.listen));
+    if (!listener) return refuse(listener.error());
+    const Address bound = listener->address;
+    if (auto started = http.start(*std::move(listener)); !started) return refuse(started.error());
+    std::cout << "listening on " << bound.url() << std::endl;
+    logInfo("started", {{"address", bound.url()},
                         {"workers", settings.workers},
                         {"threads_per_job", settings.threadsPerJob},
                         {"queue_limit", settings.queueLimit},
@@ -97,7 +104,8 @@ int serve(const Settings& settings) {
 
     int signal = 0;
     ::sigwait(&signals, &signal);
-    drain(pool, http, admin, settings, *bound);
+    drain(pool, http, admin, settings, bound);
+    removeSocketFile(bound);
     logInfo("stopped", rivage::proto::Json::object());
     return 0;
 }

@@ -1,6 +1,7 @@
 #include "server/http/admin_server.h"
 
-#include <sys/socket.h>
+#include <chrono>
+#include <utility>
 
 #include "server/http/exchange.h"
 #include "server/http/metrics.h"
@@ -9,23 +10,21 @@ namespace rivage::server {
 namespace {
 
 using core::ErrorCode;
-using core::fail;
 
-constexpr std::size_t kThreads = 4;
+/// Few and impatient: its clients are probes.
+NetLimits adminLimits() {
+    NetLimits limits;
+    limits.connections = 64;
+    limits.handlers = 2;
+    limits.headTimeout = std::chrono::seconds(2);
+    limits.stopTimeout = std::chrono::seconds(5);
+    return limits;
+}
 
 }  // namespace
 
-AdminServer::AdminServer(Service& service) {
-    server_.new_task_queue = [] { return new httplib::ThreadPool(kThreads, kThreads, 64); };
-    server_.set_read_timeout(2);
-    server_.set_write_timeout(5);
-    server_.set_keep_alive_timeout(1);
+AdminServer::AdminServer(Service& service) : front_(adminLimits(), server_) {
     server_.set_payload_max_length(1024);
-    server_.set_tcp_nodelay(true);
-    server_.set_socket_options([](socket_t socket) {
-        const int on = 1;
-        ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    });
     server_.Get("/livez", [](const httplib::Request&, httplib::Response& response) {
         writeJson(response, 200, {{"status", "alive"}});
     });
@@ -49,22 +48,10 @@ AdminServer::AdminServer(Service& service) {
 
 AdminServer::~AdminServer() { stop(); }
 
-core::Result<Address> AdminServer::start(const Address& address) {
-    if (address.isUnix()) return fail(ErrorCode::invalidOption, "the admin address is host:port");
-    Address bound = address;
-    const bool any = address.port == 0;
-    if (any) bound.port = server_.bind_to_any_port(address.host);
-    if (any ? bound.port <= 0 : !server_.bind_to_port(address.host, address.port))
-        return fail(ErrorCode::busy, "cannot listen on " + address.url() + ": is it in use?");
-    thread_ = std::thread([this] { server_.listen_after_bind(); });
-    server_.wait_until_ready();
-    return bound;
+core::Result<void> AdminServer::start(Listener listener) {
+    return front_.start(std::move(listener));
 }
 
-void AdminServer::stop() {
-    if (!thread_.joinable()) return;
-    server_.stop();
-    thread_.join();
-}
+void AdminServer::stop() { front_.stop(); }
 
 }  // namespace rivage::server

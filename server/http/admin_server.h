@@ -1,16 +1,12 @@
 #pragma once
 
-#include <httplib.h>
-
-#include <thread>
-
 #include "core/base/result.h"
-#include "server/net/address.h"
 #include "server/http/service.h"
+#include "server/net/front.h"
 
 namespace rivage::server {
 
-/// GET /livez, /readyz and /metrics on a port and threads of their own, so that no load on the
+/// GET /livez, /readyz and /metrics on a port, a front and threads of their own, so that no load on the
 /// public port can starve them.
 class AdminServer {
 public:
@@ -18,13 +14,13 @@ public:
     explicit AdminServer(Service& service);
     ~AdminServer();
 
-    /// @return the address that was bound @errors as `HttpServer::start`
-    core::Result<Address> start(const Address& address);
+    /// @errors as `HttpServer::start`
+    core::Result<void> start(Listener listener);
     void stop();
 
 private:
-    httplib::Server server_;
-    std::thread thread_;
+    HttpEngine server_;
+    Front front_;
 };
 
 }  // namespace rivage::server

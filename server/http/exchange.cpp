@@ -1,10 +1,9 @@
 #include "server/http/exchange.h"
 
-#include <openssl/rand.h>
-
 #include <algorithm>
-#include <array>
 #include <utility>
+
+#include "server/net/canned.h"
 
 namespace rivage::server {
 namespace {
@@ -71,16 +70,7 @@ bool matchesEtag(const std::string& header, const std::string& etag) {
 std::string requestId(const httplib::Request& request, httplib::Response& response) {
     if (response.has_header(kRequestId)) return response.get_header_value(kRequestId);
     std::string id = request.get_header_value(kRequestId);
-    if (!harmless(id)) {
-        std::array<unsigned char, 12> random{};
-        RAND_bytes(random.data(), static_cast<int>(random.size()));
-        constexpr char kHex[] = "0123456789abcdef";
-        id.clear();
-        for (const unsigned char byte : random) {
-            id += kHex[byte >> 4];
-            id += kHex[byte & 15];
-        }
-    }
+    if (!harmless(id)) id = randomRequestId();
     response.set_header(kRequestId, id);
     return id;
 }

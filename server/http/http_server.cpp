@@ -1,22 +1,17 @@
 #include "server/http/http_server.h"
 
-#include <sys/socket.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <memory>
 #include <utility>
 
 #include "server/http/exchange.h"
 #include "server/http/routes.h"
 #include "server/http/upload.h"
+#include "server/net/answer.h"
 
 namespace rivage::server {
 namespace {
 
-using namespace std::chrono_literals;
 using core::ErrorCode;
-using core::fail;
 
 /// What a body may have beyond the grid: the frame of a form and its options.
 constexpr std::size_t kBodyOverhead = 1 << 20;
@@ -30,15 +25,6 @@ std::string libraryPattern(std::string_view path) {
         else if (c != '}')
             pattern += c;
     return pattern;
-}
-
-/// Counts a request as unanswered for as long as its response exists, so that `stop` can wait: the
-/// library itself cuts streamed answers off when it stops.
-void countUntilWritten(Service& service, httplib::Response& response) {
-    ++service.unanswered;
-    response.user_data.set("unanswered", std::shared_ptr<Service>(&service, [](Service* counted) {
-                               --counted->unanswered;
-                           }));
 }
 
 const WebAsset* findAsset(std::span<const WebAsset> assets, const std::string& path) {
@@ -58,7 +44,11 @@ const Route* findRoute(const std::string& method, const std::string& path) {
 }  // namespace
 
 HttpServer::HttpServer(HttpSettings settings, Service& service)
-    : settings_(std::move(settings)), service_(service) {
+    : settings_(std::move(settings)),
+      service_(service),
+      front_(settings_.net, server_, [this](int status, const std::string& id) {
+          if (settings_.observer) settings_.observer({id, "-", "-", status});
+      }) {
     setLimits();
     setHooks();
     setRoutes();
@@ -67,22 +57,12 @@ HttpServer::HttpServer(HttpSettings settings, Service& service)
 HttpServer::~HttpServer() { stop(); }
 
 void HttpServer::setLimits() {
-    server_.new_task_queue = [this] {
-        return new httplib::ThreadPool(settings_.connections, settings_.connections,
-                                       settings_.backlog);
-    };
-    server_.set_read_timeout(service_.readTimeout.count());
-    server_.set_write_timeout(settings_.writeTimeout.count());
-    server_.set_keep_alive_timeout(settings_.idleTimeout.count());
-    server_.set_keep_alive_max_count(1000);
+    server_.set_keep_alive_timeout(
+        std::chrono::ceil<std::chrono::seconds>(settings_.net.idleTimeout).count());
+    server_.set_keep_alive_max_count(settings_.net.requestsPerConnection);
     server_.set_payload_max_length(service_.limits.maxUploadBytes + kBodyOverhead);
-    server_.set_tcp_nodelay(true);
-    // Not the library's default of SO_REUSEPORT, which lets two servers share a port by accident.
-    server_.set_socket_options([](socket_t socket) {
-        const int on = 1;
-        ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    });
     server_.set_default_headers({{"X-Content-Type-Options", "nosniff"}});
+    server_.set_trusted_proxies(settings_.trustedProxies);
 }
 
 void HttpServer::setHooks() {
@@ -106,7 +86,7 @@ void HttpServer::setHooks() {
             writeProblem(service_, response,
                          proto::makeProblem({ErrorCode::internal, "the server failed"}));
         });
-    server_.set_post_routing_handler([](const httplib::Request&, httplib::Response& response) {
+    server_.onAnswer([](const httplib::Request&, httplib::Response& response) {
         response.user_data.erase("ticket");  // an unused place is free before the answer is seen
     });
     server_.set_logger([this](const httplib::Request& request, const httplib::Response& response) {
@@ -141,7 +121,6 @@ void HttpServer::setRoutes() {
 /// Everything that is decided before a body is read.
 HttpServer::Verdict HttpServer::beforeRouting(const httplib::Request& request,
                                               httplib::Response& response) {
-    countUntilWritten(service_, response);
     requestId(request, response);
     const bool reads = request.method == "GET" || request.method == "HEAD";
     const WebAsset* asset = findAsset(service_.assets, request.path);
@@ -189,6 +168,10 @@ bool HttpServer::refusesUpload(const httplib::Request& request, httplib::Respons
 /// Gives the errors that the library answers by itself their problem.
 void HttpServer::explain(const httplib::Request& request, httplib::Response& response) const {
     requestId(request, response);
+    if (bodyTimedOut(request)) {
+        response.status = 408;
+        response.body.clear();
+    }
     if (!response.body.empty() || response.status == kClientClosed) return;
     const bool crowded =
         response.status == 400 && request.headers.size() >= CPPHTTPLIB_HEADER_MAX_COUNT;
@@ -215,35 +198,13 @@ void HttpServer::observe(const httplib::Request& request, const httplib::Respons
                         response.get_header_value("Rivage-Job")});
 }
 
-core::Result<Address> HttpServer::start(const Address& address) {
-    Address bound = address;
-    if (address.isUnix()) {
-        if (auto cleared = clearStaleSocket(address.path); !cleared) return fail(cleared.error());
-        server_.set_address_family(AF_UNIX);
-        if (!server_.bind_to_port(address.path, 1))
-            return fail(ErrorCode::invalidOption, "cannot listen at " + address.path);
-        ::chmod(address.path.c_str(), 0660);
-        socketPath_ = address.path;
-    } else if (address.port == 0) {
-        bound.port = server_.bind_to_any_port(address.host);
-        if (bound.port <= 0)
-            return fail(ErrorCode::invalidOption, "cannot listen on " + address.host);
-    } else if (!server_.bind_to_port(address.host, address.port)) {
-        return fail(ErrorCode::busy, "cannot listen on " + address.url() + ": is it in use?");
-    }
-    thread_ = std::thread([this] { server_.listen_after_bind(); });
-    server_.wait_until_ready();
-    return bound;
+core::Result<void> HttpServer::start(Listener listener, const TlsContext* tls) {
+    return front_.start(std::move(listener), tls);
 }
 
 void HttpServer::stop() {
-    if (!thread_.joinable()) return;
     service_.stopping = true;
-    const auto until = Clock::now() + settings_.writeTimeout;
-    while (service_.unanswered > 0 && Clock::now() < until) std::this_thread::sleep_for(5ms);
-    server_.stop();
-    thread_.join();
-    if (!socketPath_.empty()) ::unlink(socketPath_.c_str());
+    front_.stop();
 }
 
 }  // namespace rivage::server

@@ -2,15 +2,14 @@
 
 #include <httplib.h>
 
-#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <string>
-#include <thread>
+#include <vector>
 
 #include "core/base/result.h"
-#include "server/net/address.h"
 #include "server/http/service.h"
+#include "server/net/front.h"
 
 namespace rivage::server {
 
@@ -26,10 +25,8 @@ struct RequestRecord {
 };
 
 struct HttpSettings {
-    std::size_t connections = 128;  ///< served at a time, one thread each
-    std::size_t backlog = 512;      ///< accepted and waiting; more are closed
-    std::chrono::seconds writeTimeout{30};
-    std::chrono::seconds idleTimeout{15};
+    NetLimits net = {};
+    std::vector<std::string> trustedProxies = {};  ///< addresses whose X-Forwarded-For is believed
     std::function<void(const RequestRecord&)> observer = {};
 };
 
@@ -40,12 +37,16 @@ public:
     HttpServer(HttpSettings settings, Service& service);
     ~HttpServer();
 
-    /// Listens and serves from a thread of its own.
-    /// @return the address that was bound, with its port
-    /// @errors invalidOption or busy if the address cannot be bound
-    core::Result<Address> start(const Address& address);
-    /// Answers what is under way, within the write time-out, then takes nothing more and ends.
+    /// Serves from threads of its own.
+    /// @param tls  null for plain HTTP; else it must outlive the server
+    /// @errors internal if the system has no descriptors left
+    core::Result<void> start(Listener listener, const TlsContext* tls = nullptr);
+    /// Answers what is under way, within the time-out, takes nothing more and ends. What comes
+    /// later waits in the kernel for another process that shares the listener.
     void stop();
+
+    /// Its connections, for health and metrics.
+    [[nodiscard]] const Front& front() const { return front_; }
 
 private:
     void setLimits();
@@ -59,9 +60,8 @@ private:
 
     const HttpSettings settings_;
     Service& service_;
-    httplib::Server server_;
-    std::thread thread_;
-    std::string socketPath_;
+    HttpEngine server_;
+    Front front_;
 };
 
 }  // namespace rivage::server

@@ -33,8 +33,7 @@ struct Service {
     std::atomic<std::size_t> waiting{0};
     std::size_t streams = 64;  ///< clients that follow events at a time; more are refused
     std::atomic<std::size_t> streaming{0};
-    std::atomic<std::size_t> unanswered{0};  ///< requests whose answer is not written yet
-    std::atomic<bool> stopping{false};       ///< long polls end now
+    std::atomic<bool> stopping{false};  ///< long polls end now
 };
 
 }  // namespace rivage::server

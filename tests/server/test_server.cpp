@@ -110,17 +110,24 @@ TestServer::TestServer(const TestSettings& settings) {
     service = std::make_unique<server::Service>(*pool, limits, samples);
     service->readTimeout = settings.readTimeout;
     server::HttpSettings httpSettings;
+    httpSettings.net = settings.net;
+    httpSettings.net.bodyGrace = settings.readTimeout;
     httpSettings.observer = [this](const server::RequestRecord&) { ++records; };
     http = std::make_unique<server::HttpServer>(httpSettings, *service);
     admin = std::make_unique<server::AdminServer>(*service);
-    address = http->start(*server::parseAddress(settings.listen)).value();
-    adminAddress = admin->start(*server::parseAddress("127.0.0.1:0")).value();
+    auto listener = server::listenOn(*server::parseAddress(settings.listen)).value();
+    auto adminListener = server::listenOn({"127.0.0.1", 0, ""}).value();
+    address = listener.address;
+    adminAddress = adminListener.address;
+    REQUIRE(http->start(std::move(listener)));
+    REQUIRE(admin->start(std::move(adminListener)));
 }
 
 TestServer::~TestServer() {
     pool->stopAll();
     http->stop();
     admin->stop();
+    server::removeSocketFile(address);
 }
 
 httplib::Client TestServer::client() const {

@@ -26,6 +26,7 @@ struct TestSettings {
     server::StoreLimits store = {};
     std::chrono::seconds readTimeout{2};
     std::string listen = "127.0.0.1:0";
+    server::NetLimits net = {};
 };
 
 /// What the fake engine shares with a test.

@@ -78,12 +78,4 @@ TEST_CASE("reject: a path that is something else than a socket") {
     CHECK(std::filesystem::exists(folder.path + "/f"));
 }
 
-TEST_CASE("reject: a port that is taken") {
-    const test::TestServer server;
-    HttpServer second({}, *server.service);
-    const auto bound = second.start(server.address);
-    REQUIRE_FALSE(bound);
-    CHECK(bound.error().code == core::ErrorCode::busy);
-}
-
 TEST_SUITE_END();

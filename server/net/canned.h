@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "proto/problem.h"
+
+namespace rivage::server {
+
+/// A request id that nobody has used: 24 hexadecimal digits.
+[[nodiscard]] std::string randomRequestId();
+
+/// A whole answer with a problem, for where no request could be read: head and body, after which
+/// the connection is closed. 503 says to come back in a second.
+[[nodiscard]] std::string cannedAnswer(const proto::Problem& problem, const std::string& requestId);
+
+}  // namespace rivage::server
