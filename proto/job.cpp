@@ -78,6 +78,13 @@ Json toJson(const ServiceLimits& limits) {
         {"deadline_ms", limits.deadline.count()},
         {"result_ttl_s", limits.resultTtl.count()},
         {"kept_result_bytes", limits.keptResultBytes},
+        {"kept_jobs", limits.keptJobs},
+        {"uploads_in_flight_bytes", limits.uploadBudget},
+        {"streams", limits.streams},
+        {"long_polls", limits.longPolls},
+        {"body_timeout_s", limits.bodyTimeout.count()},
+        {"min_body_bytes_per_s", limits.minBodyRate},
+        {"idle_timeout_s", limits.idleTimeout.count()},
     };
 }
 

@@ -51,6 +51,13 @@ struct ServiceLimits {
     std::chrono::milliseconds deadline{};
     std::chrono::seconds resultTtl{};
     std::uint64_t keptResultBytes = 0;
+    std::size_t keptJobs = 0;
+    std::uint64_t uploadBudget = 0;  ///< bytes, of all uploads in flight together
+    std::size_t streams = 0;         ///< event streams at a time
+    std::size_t longPolls = 0;       ///< waiting GETs at a time
+    std::chrono::seconds bodyTimeout{};
+    std::uint64_t minBodyRate = 0;  ///< bytes per second, on average
+    std::chrono::seconds idleTimeout{};
 };
 
 /// The answer of GET /v1/limits: each limit with its unit in its name.

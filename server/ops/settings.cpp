@@ -1,13 +1,14 @@
 #include "server/ops/settings.h"
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <iostream>
-#include <map>
+#include <arpa/inet.h>
+#include <unistd.h>
 
-#include "server/ops/machine.h"
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <string_view>
+
+#include "proto/option_table.h"
 
 namespace rivage::server {
 namespace {
@@ -15,158 +16,100 @@ namespace {
 using core::ErrorCode;
 using core::fail;
 
-/// A number and the unit behind it.
-struct Quantity {
-    double value = 0;
-    std::string unit;
-};
+/// Variables of the client, of ./dev and of the build.
+constexpr std::array<std::string_view, 10> kForeign{
+    "RIVAGE_SERVER", "RIVAGE_API_KEY", "RIVAGE_CACHE", "RIVAGE_REFERENCE", "RIVAGE_HTTPLIB_DIR",
+    "RIVAGE_BIN",    "RIVAGE_TESTS",   "RIVAGE_FUZZ",  "RIVAGE_SANITIZE",  "RIVAGE_CONFIG"};
 
-std::optional<Quantity> readQuantity(const std::string& text) {
-    Quantity quantity;
-    const char* const last = text.data() + text.size();
-    const auto [end, error] = std::from_chars(text.data(), last, quantity.value);
-    if (error != std::errc() || !(quantity.value >= 0) || !std::isfinite(quantity.value))
-        return std::nullopt;
-    quantity.unit.assign(end, last);
-    return quantity;
+/// A service "rivage" or "rivage-x" gives every pod of its namespace RIVAGE_PORT,
+/// RIVAGE_X_SERVICE_HOST, RIVAGE_PORT_80_TCP_ADDR and more.
+bool comesFromKubernetes(std::string_view name) {
+    return name.ends_with("_PORT") || name.find("_PORT_") != std::string_view::npos ||
+           name.ends_with("_SERVICE_HOST");
 }
 
-/// The flags, with the texts that are read in a second step.
-class Flags {
-public:
-    explicit Flags(Settings& settings) : settings_(settings) {
-        app_.set_config("--config", "", "file with settings, one `name=value` a line");
-        app_.allow_config_extras(CLI::config_extras_mode::error);
-        app_.set_version_flag("--version", std::string("rivage-server ") + RIVAGE_VERSION);
-        app_.add_flag("--print-config", printConfig_, "print the settings in force and exit")
-            ->configurable(false);
-        addAddresses();
-        addSizes();
-        addTimes();
-        addLog();
-    }
+core::Result<void> checkReadable(const char* flag, const std::string& path) {
+    if (path.empty() || ::access(path.c_str(), R_OK) == 0) return {};
+    return fail(ErrorCode::invalidOption, std::string(flag) + ": cannot read " + path);
+}
 
-    CLI::App& app() { return app_; }
-    [[nodiscard]] bool printConfig() const { return printConfig_; }
+core::Result<void> checkTls(const Settings& settings) {
+    if (settings.tlsCert.empty() != settings.tlsKey.empty())
+        return fail(ErrorCode::invalidOption, settings.tlsCert.empty()
+                                                  ? "--tls-key needs --tls-cert"
+                                                  : "--tls-cert needs --tls-key");
+    if (auto cert = checkReadable("--tls-cert", settings.tlsCert); !cert) return cert;
+    return checkReadable("--tls-key", settings.tlsKey);
+}
 
-private:
-    /// A flag with the environment variable of the same name.
-    template <typename T>
-    CLI::Option* add(const std::string& name, T& value, const std::string& help) {
-        std::string variable = "RIVAGE_" + name;
-        for (char& c : variable) c = c == '-' ? '_' : static_cast<char>(std::toupper(c));
-        return app_.add_option("--" + name, value, help)->envname(variable)->capture_default_str();
-    }
-
-    /// A flag whose text is read by `parse`, which is told what is wrong with it.
-    template <typename T, typename Parse>
-    void addParsed(const std::string& name, T& value, std::string shown, const std::string& help,
-                   Parse parse) {
-        const auto read = [&value, parse](const std::string& text) -> std::string {
-            const auto parsed = parse(text);
-            if (!parsed) return parsed.error().message;
-            value = *parsed;
-            return {};
-        };
-        std::string& text = texts_[name] = std::move(shown);
-        add(name, text, help)->check(CLI::Validator(read, ""));
-    }
-
-    void addBytes(const std::string& name, std::uint64_t& value, std::uint64_t least,
-                  const std::string& help) {
-        const auto parse = [least](const std::string& text) -> core::Result<std::uint64_t> {
-            const auto bytes = parseBytes(text);
-            if (bytes && *bytes < least)
-                return fail(ErrorCode::invalidOption, "at least " + std::to_string(least));
-            return bytes;
-        };
-        addParsed(name, value, std::to_string(value), help, parse);
-    }
-
-    void addDuration(const std::string& name, std::chrono::seconds& value, long least,
-                     const std::string& help) {
-        const auto parse = [least](const std::string& text) -> core::Result<std::chrono::seconds> {
-            const auto duration = parseDuration(text);
-            if (duration && (duration->count() < least || duration->count() > 30 * 86400))
-                return fail(ErrorCode::invalidOption,
-                            std::to_string(least) + "s to 30 days is allowed");
-            return duration;
-        };
-        addParsed(name, value, std::to_string(value.count()) + "s", help, parse);
-    }
-
-    void addAddresses() {
-        const auto address = [](const std::string& text) -> std::string {
-            const auto parsed = parseAddress(text);
-            return parsed ? std::string() : parsed.error().message;
-        };
-        const auto admin = [address](const std::string& text) -> std::string {
-            return text == "off" ? std::string() : address(text);
-        };
-        add("listen", settings_.listen, "host:port or unix:/path; port 0 takes a free one")
-            ->check(CLI::Validator(address, ""));
-        add("admin-listen", settings_.adminListen,
-            "host:port of /livez, /readyz and /metrics, or off")
-            ->check(CLI::Validator(admin, ""));
-        add("connections", settings_.connections, "connections served at a time")
-            ->check(CLI::Range(4, 4096));
-    }
-
-    void addSizes() {
-        add("workers", settings_.workers, "jobs that run at a time")->check(CLI::Range(1, 1024));
-        add("threads-per-job", settings_.threadsPerJob, "threads of one job")
-            ->check(CLI::Range(1, 1024));
-        add("queue-limit", settings_.queueLimit, "jobs that may wait beyond the workers")
-            ->check(CLI::Range(0, 100000));
-        addBytes("memory-budget", settings_.memoryBudget, 16 << 20,
-                 "predicted memory of all running jobs together, e.g. 4GiB");
-        addBytes("result-budget", settings_.resultBudget, 0,
-                 "memory of all kept results together; the oldest are dropped");
-        addBytes("max-upload", settings_.maxUpload, 1, "bytes of a grid, stored or inflated");
-        add("max-voxels", settings_.maxVoxels, "voxels of a grid that are not empty")
-            ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40));
-        add("max-extent", settings_.maxExtent, "longest side of a grid, voxels")
-            ->check(CLI::Range(1, 32768));
-        add("max-models", settings_.maxModels, "models, and instances, of a scene")
-            ->check(CLI::Range(1, 1000000));
-        add("max-labels", settings_.maxLabels, "labels of a grid")->check(CLI::Range(1, 65535));
-    }
-
-    void addTimes() {
-        addDuration("deadline", settings_.deadline, 1,
-                    "longest time of a job, waiting included, e.g. 30s");
-        addDuration("result-ttl", settings_.resultTtl, 1, "how long ended jobs are kept");
-        addDuration("drain-timeout", settings_.drainTimeout, 0,
-                    "how long running and waiting jobs may take after a stop signal");
-    }
-
-    void addLog() {
-        const auto format = [](const std::string& text) -> core::Result<LogFormat> {
-            if (text == "text") return LogFormat::text;
-            if (text == "json") return LogFormat::json;
-            return fail(ErrorCode::invalidOption, "text or json is allowed");
-        };
-        addParsed("log-format", settings_.logFormat, "text", "text or json", format);
-        add("log-level", settings_.logLevel, "debug, info, warn, error or off")
-            ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}));
-    }
-
-    Settings& settings_;
-    CLI::App app_{"Rivage server: labelled voxel grids in, smooth surfaces out", "rivage-server"};
-    std::map<std::string, std::string> texts_;
-    bool printConfig_ = false;
-};
-
-Settings machineDefaults() {
-    Settings settings;
-    settings.workers = usableProcessors();
-    settings.queueLimit = std::max<std::size_t>(16, 4 * settings.workers);
-    settings.memoryBudget = std::max<std::uint64_t>(256 << 20, usableMemory() / 4 * 3);
-    settings.resultBudget = std::min<std::uint64_t>(1ULL << 30, settings.memoryBudget / 8);
-    return settings;
+/// Whether a folder is there, or could be made, and may be written to.
+core::Result<void> checkFolder(const char* flag, const std::string& path) {
+    namespace fs = std::filesystem;
+    if (path.empty()) return {};
+    std::error_code ignored;
+    fs::path folder = fs::absolute(path, ignored);
+    while (!fs::exists(folder, ignored) && folder.has_relative_path())
+        folder = folder.parent_path();
+    const bool usable =
+        fs::is_directory(folder, ignored) && ::access(folder.c_str(), W_OK | X_OK) == 0;
+    if (usable) return {};
+    return fail(ErrorCode::invalidOption,
+                std::string(flag) + ": cannot make or write the folder " + path);
 }
 
 }  // namespace
+
+std::string proxyMistake(const std::string& text) {
+    std::array<unsigned char, sizeof(in6_addr)> address{};
+    const bool is = ::inet_pton(AF_INET, text.c_str(), address.data()) == 1 ||
+                    ::inet_pton(AF_INET6, text.c_str(), address.data()) == 1;
+    return is ? std::string() : "\"" + text + "\" is no IP address";
+}
+
+std::string originMistake(const std::string& text) {
+    const std::size_t start = text.starts_with("https://")  ? 8
+                              : text.starts_with("http://") ? 7
+                                                            : std::string::npos;
+    const auto allowed = [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '.' ||
+               c == ':' || c == '[' || c == ']' || c == '_';
+    };
+    const bool is =
+        start != std::string::npos && text.size() > start &&
+        std::all_of(text.begin() + static_cast<std::ptrdiff_t>(start), text.end(), allowed);
+    return is ? std::string()
+              : "\"" + text +
+                    "\" is no origin such as https://example.org: lower case, no path, no *";
+}
+
+std::string unknownVariable(const std::vector<std::string>& variables,
+                            const std::vector<std::string>& known) {
+    for (const std::string& name : variables) {
+        const bool ours = name.starts_with("RIVAGE_") && !comesFromKubernetes(name) &&
+                          std::find(kForeign.begin(), kForeign.end(), name) == kForeign.end();
+        if (!ours || std::find(known.begin(), known.end(), name) != known.end()) continue;
+        const std::string near = proto::nearestName(name, known);
+        return "the environment variable " + name + " is no setting" +
+               (near.empty() ? std::string() : "; did you mean " + near + "?");
+    }
+    return {};
+}
+
+core::Result<void> checkSettings(const Settings& settings) {
+    if (auto tls = checkTls(settings); !tls) return tls;
+    if (auto folder = checkFolder("--state-dir", settings.stateDir); !folder) return folder;
+    if (settings.uploadBudget != 0 && settings.uploadBudget < settings.maxUpload)
+        return fail(ErrorCode::invalidOption,
+                    "--upload-budget is less than one upload of --max-upload bytes");
+    return {};
+}
+
+std::uint64_t Settings::uploadBytes() const {
+    if (uploadBudget != 0) return uploadBudget;
+    const std::uint64_t most = memoryBudget / 8;
+    const std::size_t places = workers + queueLimit;
+    return std::max(2 * maxUpload, maxUpload < most / places ? places * maxUpload : most);
+}
 
 PoolSettings Settings::pool() const {
     PoolSettings pool;
@@ -182,6 +125,7 @@ PoolSettings Settings::pool() const {
     pool.deadline = deadline;
     pool.store.resultTtl = resultTtl;
     pool.store.resultBytes = resultBudget;
+    pool.store.jobs = keptJobs;
     return pool;
 }
 
@@ -192,49 +136,14 @@ proto::ServiceLimits Settings::limits() const {
             .queueLimit = queueLimit,
             .deadline = deadline,
             .resultTtl = resultTtl,
-            .keptResultBytes = resultBudget};
-}
-
-core::Result<std::uint64_t> parseBytes(const std::string& text) {
-    static const std::map<std::string, int> kShifts{{"", 0},   {"B", 0},    {"K", 10}, {"KiB", 10},
-                                                    {"M", 20}, {"MiB", 20}, {"G", 30}, {"GiB", 30},
-                                                    {"T", 40}, {"TiB", 40}};
-    const auto quantity = readQuantity(text);
-    const auto shift = quantity ? kShifts.find(quantity->unit) : kShifts.end();
-    if (shift == kShifts.end())
-        return fail(ErrorCode::invalidOption,
-                    "\"" + text + "\" is no number of bytes such as 4096, 64MiB or 2G");
-    const double bytes = std::ldexp(quantity->value, shift->second);
-    if (bytes > 0x1p60) return fail(ErrorCode::invalidOption, "\"" + text + "\" is too much");
-    return static_cast<std::uint64_t>(bytes);
-}
-
-core::Result<std::chrono::seconds> parseDuration(const std::string& text) {
-    static const std::map<std::string, double> kSeconds{{"", 1},   {"ms", 0.001}, {"s", 1},
-                                                        {"m", 60}, {"h", 3600},   {"d", 86400}};
-    const auto quantity = readQuantity(text);
-    const auto unit = quantity ? kSeconds.find(quantity->unit) : kSeconds.end();
-    if (unit == kSeconds.end() || quantity->value > 1e9)
-        return fail(ErrorCode::invalidOption,
-                    "\"" + text + "\" is no duration such as 30s, 5m or 1h");
-    return std::chrono::seconds(static_cast<long>(std::ceil(quantity->value * unit->second)));
-}
-
-CommandLine readCommandLine(int count, const char* const* arguments) {
-    CommandLine line{machineDefaults(), std::nullopt};
-    Flags flags(line.settings);
-    try {
-        flags.app().parse(count, arguments);
-    } catch (const CLI::ParseError& error) {
-        const int code = flags.app().exit(error, std::cout, std::cerr);
-        line.exitCode = code == 0 ? 0 : 2;
-        return line;
-    }
-    if (flags.printConfig()) {
-        std::cout << flags.app().config_to_str(true);
-        line.exitCode = 0;
-    }
-    return line;
+            .keptResultBytes = resultBudget,
+            .keptJobs = keptJobs,
+            .uploadBudget = uploadBytes(),
+            .streams = streams,
+            .longPolls = longPolls,
+            .bodyTimeout = bodyTimeout,
+            .minBodyRate = minBodyRate,
+            .idleTimeout = idleTimeout};
 }
 
 }  // namespace rivage::server
