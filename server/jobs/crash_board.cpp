@@ -87,15 +87,15 @@ struct CrashBoard::Memory {
 namespace {
 
 /// Makes sure that the file has all its blocks: a page without one would be a SIGBUS on a full disk.
-core::Result<File> openBoard(const std::string& path, std::size_t size) {
-    File file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
-    if (!file.isOpen()) return fail(diskError("open its crash board", errno));
+core::Result<Fd> openBoard(const std::string& path, std::size_t size) {
+    Fd file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+    if (!file) return fail(diskError("open its crash board", errno));
     struct stat status {};
     const bool ours =
-        ::fstat(file.descriptor(), &status) == 0 && status.st_size == static_cast<off_t>(size);
-    if (!ours && ::ftruncate(file.descriptor(), 0) != 0)
+        ::fstat(file.get(), &status) == 0 && status.st_size == static_cast<off_t>(size);
+    if (!ours && ::ftruncate(file.get(), 0) != 0)
         return fail(diskError("begin its crash board", errno));
-    const int code = ::posix_fallocate(file.descriptor(), 0, static_cast<off_t>(size));
+    const int code = ::posix_fallocate(file.get(), 0, static_cast<off_t>(size));
     if (code != 0) return fail(diskError("make its crash board", code));
     return file;
 }
@@ -104,15 +104,14 @@ core::Result<File> openBoard(const std::string& path, std::size_t size) {
 
 core::Result<std::unique_ptr<CrashBoard>> CrashBoard::open(const std::string& path,
                                                            std::chrono::seconds quarantine) {
-    File file;
+    Fd file;
     if (!path.empty()) {
         auto opened = openBoard(path, sizeof(Memory));
         if (!opened) return fail(opened.error());
         file = *std::move(opened);
     }
     const int flags = MAP_SHARED | (path.empty() ? MAP_ANONYMOUS : 0);
-    void* const map =
-        ::mmap(nullptr, sizeof(Memory), PROT_READ | PROT_WRITE, flags, file.descriptor(), 0);
+    void* const map = ::mmap(nullptr, sizeof(Memory), PROT_READ | PROT_WRITE, flags, file.get(), 0);
     if (map == MAP_FAILED) return fail(diskError("map its crash board", errno));
     auto* const memory = static_cast<Memory*>(map);
     if (memory->magic != kMagic) {

@@ -52,23 +52,22 @@ private:
 };
 
 core::Result<FileBytes> FileBytes::read(const std::string& path) {
-    const File file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-    if (!file.isOpen() && errno == ENOENT)
-        return fail(ErrorCode::notFound, "these bytes are not kept");
+    const Fd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+    if (!file && errno == ENOENT) return fail(ErrorCode::notFound, "these bytes are not kept");
     struct stat status {};
-    if (!file.isOpen() || ::fstat(file.descriptor(), &status) != 0)
+    if (!file || ::fstat(file.get(), &status) != 0)
         return fail(diskError("read kept bytes", errno));
     const auto size = static_cast<std::size_t>(status.st_size);
     FileBytes result;
     if (size >= kMapFrom) {
-        void* const map = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, file.descriptor(), 0);
+        void* const map = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, file.get(), 0);
         if (map == MAP_FAILED) return fail(diskError("read kept bytes", errno));
         result.map_ = {static_cast<std::byte*>(map), size};
         return result;
     }
     result.small_.resize(size);
     for (std::size_t done = 0; done < size;) {
-        const ssize_t n = ::read(file.descriptor(), result.small_.data() + done, size - done);
+        const ssize_t n = ::read(file.get(), result.small_.data() + done, size - done);
         if (n < 0 && errno == EINTR) continue;
         if (n <= 0) return fail(diskError("read kept bytes", n < 0 ? errno : EIO));
         done += static_cast<std::size_t>(n);
@@ -201,8 +200,8 @@ core::Result<void> DiskBlobStore::write(const std::string& hex, std::span<const 
         if (auto synced = syncFolder(blobs_); !synced) return synced;
     }
     const std::string path = temporary_ + "/" + hex + "." + std::to_string(++counter_);
-    const File file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
-    if (!file.isOpen()) return fail(diskError("keep these bytes", errno));
+    const Fd file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+    if (!file) return fail(diskError("keep these bytes", errno));
     auto written = writeDurably(file, bytes);
     if (written && ::rename(path.c_str(), (folder + "/" + hex).c_str()) != 0)
         written = fail(diskError("keep these bytes", errno));

@@ -9,16 +9,9 @@
 #include <system_error>
 
 namespace rivage::server {
-namespace {
 
 using core::ErrorCode;
 using core::fail;
-
-}  // namespace
-
-File::~File() {
-    if (isOpen()) ::close(descriptor_);
-}
 
 core::Error diskError(const std::string& doing, int code) {
     if (code == ENOSPC || code == EDQUOT)
@@ -43,31 +36,29 @@ core::Result<void> makeFolder(const std::string& path) {
     return fail(diskError("use the folder of --state-dir", code == EEXIST ? ENOTDIR : code));
 }
 
-core::Result<void> writeDurably(const File& file, std::span<const std::byte> bytes) {
+core::Result<void> writeDurably(const Fd& file, std::span<const std::byte> bytes) {
     std::size_t written = 0;
     while (written < bytes.size()) {
-        const ssize_t n =
-            ::write(file.descriptor(), bytes.data() + written, bytes.size() - written);
+        const ssize_t n = ::write(file.get(), bytes.data() + written, bytes.size() - written);
         if (n < 0 && errno == EINTR) continue;
         if (n < 0) return fail(diskError("keep these bytes", errno));
         written += static_cast<std::size_t>(n);
     }
-    if (::fsync(file.descriptor()) != 0) return fail(diskError("keep these bytes", errno));
+    if (::fsync(file.get()) != 0) return fail(diskError("keep these bytes", errno));
     return {};
 }
 
 core::Result<void> syncFolder(const std::string& path) {
-    const File folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    if (!folder.isOpen() || ::fsync(folder.descriptor()) != 0)
-        return fail(diskError("keep these bytes", errno));
+    const Fd folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (!folder || ::fsync(folder.get()) != 0) return fail(diskError("keep these bytes", errno));
     return {};
 }
 
-core::Result<File> lockFolder(const std::string& folder) {
+core::Result<Fd> lockFolder(const std::string& folder) {
     if (auto made = makeFolder(folder); !made) return fail(made.error());
-    File file(::open((folder + "/lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
-    if (!file.isOpen()) return fail(diskError("use the folder of --state-dir", errno));
-    if (::flock(file.descriptor(), LOCK_EX | LOCK_NB) == 0) return file;
+    Fd file(::open((folder + "/lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+    if (!file) return fail(diskError("use the folder of --state-dir", errno));
+    if (::flock(file.get(), LOCK_EX | LOCK_NB) == 0) return file;
     if (errno != EWOULDBLOCK) return fail(diskError("lock the folder of --state-dir", errno));
     return fail(ErrorCode::busy, "another server uses --state-dir " + folder +
                                      ": stop it, or give this one a folder of its own");

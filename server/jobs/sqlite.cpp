@@ -110,8 +110,8 @@ core::Result<void> execute(sqlite3* database, const char* sql) {
 
 core::Result<Database> openDatabase(const std::string& path) {
     // Made here, so that it and the files that SQLite puts beside it get these rights.
-    const File file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
-    if (!file.isOpen()) return fail(diskError("open its job store", errno));
+    const Fd file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+    if (!file) return fail(diskError("open its job store", errno));
     sqlite3* raw = nullptr;
     const int code =
         sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, nullptr);

@@ -124,14 +124,20 @@ TEST_CASE("crash board: one crash more than it has places drops the oldest only"
         board->begin(0, digestOf(std::to_string(i)));
         board->recover();
     }
-    CHECK(board->crashes(digestOf("0")) == 1);
-    board->begin(0, digestOf("more"));
-    board->recover();
-    int known = 0;
-    for (std::size_t i = 0; i < CrashBoard::kInputs; ++i)
-        known += board->crashes(digestOf(std::to_string(i)));
-    CHECK(known == CrashBoard::kInputs - 1);
-    CHECK(board->crashes(digestOf("more")) == 1);
+    const auto known = [&] {
+        int sum = 0;
+        for (std::size_t i = 0; i < CrashBoard::kInputs; ++i)
+            sum += board->crashes(digestOf(std::to_string(i)));
+        return sum;
+    };
+    CHECK(known() == CrashBoard::kInputs);
+    CHECK(board->release(digestOf("500")));
+    for (const int left : {1, 2}) {  // the first takes the place that was released
+        board->begin(0, digestOf("more" + std::to_string(left)));
+        board->recover();
+        CHECK(known() == static_cast<int>(CrashBoard::kInputs) - left);
+        CHECK(board->crashes(digestOf("more" + std::to_string(left))) == 1);
+    }
 }
 
 TEST_CASE("crash board: a damaged file is begun anew") {

@@ -66,8 +66,8 @@ TEST_CASE("file: a forked process keeps the lock of the one that took it") {
         ::close(pipe[1]);
         ::_exit(static_cast<int>(::read(pipe[0], &byte, 1)));
     }
-    *lock = File();
-    { const File dropped = *std::move(lock); }
+    *lock = Fd();
+    { const Fd dropped = *std::move(lock); }
     CHECK_FALSE(lockFolder(folder.path()));
     ::close(pipe[0]);
     ::close(pipe[1]);
