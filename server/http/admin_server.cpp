@@ -29,7 +29,8 @@ AdminServer::AdminServer(Service& service) : front_(adminLimits(), server_) {
         writeJson(response, 200, {{"status", "alive"}});
     });
     server_.Get("/readyz", [&service](const httplib::Request&, httplib::Response& response) {
-        if (!service.pool.draining()) return writeJson(response, 200, {{"status", "ready"}});
+        if (!service.unready && !service.pool.draining())
+            return writeJson(response, 200, {{"status", "ready"}});
         writeProblem(service, response,
                      proto::makeProblem({ErrorCode::draining, "the server is stopping"}));
     });

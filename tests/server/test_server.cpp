@@ -7,48 +7,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <stdexcept>
 #include <thread>
 
 namespace rivage::test {
 namespace {
 
-using core::Error;
-using core::ErrorCode;
-using core::fail;
 using namespace std::chrono_literals;
-
-core::Result<core::Artifact> artifact(const std::string& text) {
-    const std::string bytes = "asset of " + text;
-    const auto* data = reinterpret_cast<const std::byte*>(bytes.data());
-    core::Artifact result{{data, data + bytes.size()}, "model/gltf-binary", "glb", {}};
-    result.report.input.voxels = text.size();
-    return result;
-}
-
-core::Result<core::Artifact> wait(Gate& gate, const std::string& text,
-                                  const core::RunContext& run) {
-    if (text.starts_with("stuck")) std::this_thread::sleep_for(200ms);
-    while (!gate.open) {
-        if (run.stopped()) return fail(run.stopError());
-        run.report(core::Stage::solve, 0.5);
-        std::this_thread::sleep_for(1ms);
-    }
-    return artifact(text);
-}
-
-core::Result<core::Artifact> convert(Gate& gate, const std::string& text,
-                                     const core::RunContext& run) {
-    for (const core::Stage stage : {core::Stage::parse, core::Stage::surface}) run.report(stage, 0);
-    if (text.starts_with("slow") || text.starts_with("stuck")) return wait(gate, text, run);
-    if (text == "empty") return fail(ErrorCode::emptyGrid, "the grid has no voxel", "/grid");
-    if (text == "bad") return fail(ErrorCode::malformedInput, "it is not a grid", "/grid");
-    if (text == "odd") return fail(ErrorCode::unsupportedFormat, "which format?", "/grid");
-    if (text == "big") return fail(Error{ErrorCode::tooLarge, "voxels", "/grid", 5, 6, "--max"});
-    if (text == "throw") throw std::runtime_error("secret");
-    if (text == "memory") throw std::bad_alloc();
-    return artifact(text);
-}
 
 void sendAll(int socket, const std::string& bytes) {
     std::size_t sent = 0;
@@ -71,28 +35,6 @@ bool isComplete(std::string answer) {
 
 }  // namespace
 
-server::Engine fakeEngine(Gate& gate) {
-    const auto run = [&gate](std::span<const std::byte> input, const core::ConversionOptions&,
-                             const proto::Json&, const core::RunContext& context) {
-        ++gate.started;
-        ++gate.running;
-        struct Leave {
-            Gate& gate;
-            ~Leave() { --gate.running; }
-        } leave{gate};
-        const std::string text(reinterpret_cast<const char*>(input.data()), input.size());
-        return convert(gate, text, context);
-    };
-    const auto inspect = [run](std::span<const std::byte> input,
-                               const core::ConversionOptions& options, const proto::Json& echo,
-                               const core::RunContext& context) {
-        auto result = run(input, options, echo, context);
-        if (result) result->mediaType = "application/json";
-        return result;
-    };
-    return {run, inspect};
-}
-
 TestServer::TestServer(const TestSettings& settings) {
     server::PoolSettings poolSettings;
     poolSettings.workers = settings.workers;
@@ -103,11 +45,7 @@ TestServer::TestServer(const TestSettings& settings) {
     proto::ServiceLimits limits;
     limits.maxUploadBytes = settings.maxUpload;
     limits.workers = settings.workers;
-    server::Samples samples{
-        {"dot"}, [](const std::string&) {
-            return core::Result<std::vector<std::byte>>(std::vector<std::byte>(3, std::byte{'v'}));
-        }};
-    service = std::make_unique<server::Service>(*pool, limits, samples);
+    service = std::make_unique<server::Service>(*pool, limits, fakeSamples());
     service->readTimeout = settings.readTimeout;
     server::HttpSettings httpSettings;
     httpSettings.net = settings.net;

@@ -10,12 +10,8 @@
 #include "server/http/admin_server.h"
 #include "server/http/http_server.h"
 #include "server/jobs/job_pool.h"
+#include "tests/server/fake_engine.h"
 
-/// A server on a free loopback port with an engine that does what the grid says:
-///   "ok..."      the artifact "asset of ok..."
-///   "slow..."    runs until it is told to stop, or the gate opens
-///   "stuck..."   as slow, but deaf to cancellation for 200 ms
-///   "empty", "big", "bad", "odd", "throw", "memory"   the failures of those kinds
 namespace rivage::test {
 
 struct TestSettings {
@@ -29,15 +25,7 @@ struct TestSettings {
     server::NetLimits net = {};
 };
 
-/// What the fake engine shares with a test.
-struct Gate {
-    std::atomic<bool> open{false};
-    std::atomic<int> running{0};
-    std::atomic<int> started{0};
-};
-
-[[nodiscard]] server::Engine fakeEngine(Gate& gate);
-
+/// A server on a free loopback port with an engine that does what the grid says.
 class TestServer {
 public:
     explicit TestServer(const TestSettings& settings = {});
