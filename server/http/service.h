@@ -33,10 +33,11 @@ struct Service {
     std::atomic<std::size_t> waiting{0};
     std::size_t streams = 64;  ///< clients that follow events at a time; more are refused
     std::atomic<std::size_t> streaming{0};
-    std::atomic<bool> stopping{false};                 ///< long polls end now
-    std::atomic<bool> unready{false};                  ///< load balancers are to send no more
-    std::uint32_t restarts = 0;                        ///< of the serving process after crashes
-    std::vector<std::function<void()>> onReload = {};  ///< what reads its files again at SIGHUP
+    std::atomic<bool> stopping{false};  ///< long polls end now
+    std::atomic<bool> unready{false};   ///< load balancers are to send no more
+    std::uint32_t restarts = 0;         ///< of the serving process after crashes
+    /// What reads its files again at SIGHUP, and keeps what it had if that fails.
+    std::vector<std::function<core::Result<void>()>> onReload = {};
 };
 
 }  // namespace rivage::server

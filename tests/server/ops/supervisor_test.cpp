@@ -1,0 +1,240 @@
+#include "server/ops/supervisor.h"
+
+#include <doctest/doctest.h>
+#include <poll.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <iostream>
+#include <new>
+#include <thread>
+
+#include "server/ops/log.h"
+#include "server/ops/signals.h"
+
+using namespace rivage::server;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// What the processes of a test tell each other.
+struct Board {
+    std::atomic<int> lives{0};
+    std::atomic<int> restarts{0};
+    std::atomic<int> requests{0};
+    std::atomic<pid_t> serving{0};
+};
+
+class Shared {
+public:
+    Shared()
+        : board_(new (::mmap(nullptr, sizeof(Board), PROT_READ | PROT_WRITE,
+                             MAP_SHARED | MAP_ANONYMOUS, -1, 0)) Board) {}
+    ~Shared() { ::munmap(board_, sizeof(Board)); }
+    Shared(const Shared&) = delete;
+    Shared& operator=(const Shared&) = delete;
+    Board* operator->() const { return board_; }
+
+private:
+    Board* board_;
+};
+
+/// A supervisor in a process of its own, as the program would be.
+class Program {
+public:
+    explicit Program(const std::function<int(Supervision&)>& serve) {
+        std::cout.flush();  // what waits there would be printed by both
+        process_ = ::fork();
+        if (process_ != 0) return;
+        for (const int signal : {SIGSEGV, SIGABRT}) std::signal(signal, SIG_DFL);  // not doctest's
+        setUpLog(LogFormat::text, "off");
+        ::_exit(supervise(serve));
+    }
+    ~Program() {
+        if (process_ > 0) ::kill(process_, SIGKILL);
+        if (process_ > 0) code();
+    }
+    Program(const Program&) = delete;
+    Program& operator=(const Program&) = delete;
+    void send(int signal) const { ::kill(process_, signal); }
+    int code() {
+        int status = 0;
+        ::waitpid(std::exchange(process_, -1), &status, 0);
+        return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    }
+
+private:
+    pid_t process_;
+};
+
+template <typename Condition>
+bool soon(Condition condition) {
+    for (int i = 0; i < 2000 && !condition(); ++i) std::this_thread::sleep_for(1ms);
+    return condition();
+}
+
+/// Serves until a signal asks for the end.
+int serveUntilAsked(Supervision& supervision, const Shared& shared) {
+    SignalReader signals(::getppid());
+    supervision.started = true;
+    shared->serving = ::getpid();
+    ++shared->lives;
+    while (true) {
+        const SignalRequest request = signals.next(10s);
+        ++shared->requests;
+        if (request == SignalRequest::none) return 99;
+        if (request == SignalRequest::end) return 130;
+        if (request == SignalRequest::stopSoon) return 0;
+    }
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("server/ops");
+
+TEST_CASE("supervisor: a process that ends by itself, or cannot start, ends the program") {
+    for (const int code : {0, 1, 2}) {
+        CAPTURE(code);
+        const Shared shared;
+        Program program([&](Supervision&) {
+            ++shared->lives;
+            return code;
+        });
+        CHECK(program.code() == code);
+        CHECK(shared->lives == 1);
+    }
+}
+
+TEST_CASE("supervisor: after a signal or a wrong code it serves again within a second") {
+    for (const int how : {SIGSEGV, SIGKILL, SIGABRT, -1, -70}) {
+        CAPTURE(how);
+        const Shared shared;
+        const auto begin = std::chrono::steady_clock::now();
+        Program program([&](Supervision& supervision) {
+            supervision.started = true;
+            shared->restarts = static_cast<int>(supervision.restarts);
+            if (++shared->lives == 2) return 0;
+            if (how > 0) ::raise(how);
+            return -how;
+        });
+        CHECK(program.code() == 0);
+        CHECK(std::chrono::steady_clock::now() - begin < 1s);
+        CHECK(shared->lives == 2);
+        CHECK(shared->restarts == 1);
+    }
+}
+
+TEST_CASE("supervisor: quick crashes in a row are spaced out, the first is not") {
+    const Shared shared;
+    std::array<std::atomic<long>, 5>* const times =
+        new (::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0))
+            std::array<std::atomic<long>, 5>;
+    Program program([&](Supervision&) {
+        const int life = shared->lives++;
+        (*times)[life] = std::chrono::steady_clock::now().time_since_epoch() / 1ms;
+        if (life < 4) ::raise(SIGKILL);
+        return 0;
+    });
+    CHECK(program.code() == 0);
+    const long least[] = {0, 100, 200, 400};
+    for (int i = 0; i < 4; ++i) {
+        CAPTURE(i);
+        const long pause = (*times)[i + 1] - (*times)[i];
+        CHECK(pause >= least[i]);
+        CHECK(pause < least[i] + 90);
+    }
+    ::munmap(times, 4096);
+}
+
+TEST_CASE("supervisor: signals go on; a second stop signal ends at once") {
+    const Shared shared;
+    Program program([&](Supervision& s) { return serveUntilAsked(s, shared); });
+    REQUIRE(soon([&] { return shared->lives == 1; }));
+    program.send(SIGHUP);
+    CHECK(soon([&] { return shared->requests == 1; }));
+    program.send(SIGTERM);
+    CHECK(soon([&] { return shared->requests == 2; }));
+    program.send(SIGTERM);
+    CHECK(program.code() == 130);
+    CHECK(shared->lives == 1);
+}
+
+TEST_CASE("supervisor: a signal to the whole group is one request") {
+    const Shared shared;
+    Program program([&](Supervision& s) { return serveUntilAsked(s, shared); });
+    REQUIRE(soon([&] { return shared->lives == 1; }));
+    ::kill(shared->serving, SIGTERM);  // as systemd sends it to both
+    program.send(SIGTERM);
+    CHECK(soon([&] { return shared->requests == 1; }));
+    std::this_thread::sleep_for(50ms);
+    CHECK(shared->requests == 1);
+    program.send(SIGTERM);
+    ::kill(shared->serving, SIGTERM);
+    CHECK(program.code() == 130);
+}
+
+TEST_CASE("supervisor: a crash while it stops is the end") {
+    const Shared shared;
+    Program program([&](Supervision& supervision) {
+        supervision.started = true;
+        ++shared->lives;
+        if (SignalReader(::getppid()).next(10s) == SignalRequest::stop) ::raise(SIGSEGV);
+        return 0;
+    });
+    REQUIRE(soon([&] { return shared->lives == 1; }));
+    program.send(SIGTERM);
+    CHECK(program.code() == 128 + SIGSEGV);
+    CHECK(shared->lives == 1);
+}
+
+TEST_CASE("supervisor: a stop signal ends a pause between crashes") {
+    const Shared shared;
+    Program program([&](Supervision&) {
+        ++shared->lives;
+        ::raise(SIGKILL);
+        return 0;
+    });
+    REQUIRE(soon([&] { return shared->lives == 6; }));  // the next pause takes 1.6 s
+    const auto begin = std::chrono::steady_clock::now();
+    std::this_thread::sleep_for(20ms);
+    program.send(SIGTERM);
+    CHECK(program.code() == 0);
+    CHECK(std::chrono::steady_clock::now() - begin < 500ms);
+}
+
+TEST_CASE("supervisor: the serving process dies with it") {
+    const Shared shared;
+    int pipe[2];
+    REQUIRE(::pipe(pipe) == 0);
+    Program program([&](Supervision& s) { return serveUntilAsked(s, shared); });
+    REQUIRE(soon([&] { return shared->lives == 1; }));
+    ::close(pipe[1]);
+    pollfd end{pipe[0], POLLIN, 0};
+    CHECK(::poll(&end, 1, 50) == 0);
+    program.send(SIGKILL);
+    CHECK(program.code() == -SIGKILL);
+    CHECK(::poll(&end, 1, 2000) == 1);  // nobody holds the other end any more
+    ::close(pipe[0]);
+}
+
+TEST_CASE("signals: without a supervisor each stop signal counts") {
+    const sigset_t signals = handledSignals();
+    sigset_t before;
+    ::pthread_sigmask(SIG_BLOCK, &signals, &before);
+    SignalReader reader(0);
+    CHECK(reader.next(1ms) == SignalRequest::none);
+    ::kill(::getpid(), SIGHUP);
+    CHECK(reader.next(1s) == SignalRequest::reload);
+    ::kill(::getpid(), SIGINT);
+    CHECK(reader.next(1s) == SignalRequest::stopSoon);
+    ::kill(::getpid(), SIGTERM);
+    CHECK(reader.next(1s) == SignalRequest::end);
+    ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+TEST_SUITE_END();
