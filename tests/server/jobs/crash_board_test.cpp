@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-std::string digestOf(const std::string& text) { return sha256(std::as_bytes(std::span(text))).hex; }
+std::string hexOf(const std::string& text) { return sha256(std::as_bytes(std::span(text))).hex; }
 
 std::unique_ptr<CrashBoard> openBoard(const std::string& path, std::chrono::seconds ttl = 1h) {
     auto board = CrashBoard::open(path, ttl);
@@ -50,23 +50,23 @@ TEST_CASE("crash board: what ran when a process died has one crash more, what ha
         auto board = openBoard(path);
         for (int crash = 1; crash <= 2; ++crash) {
             inKilledProcess([&] {
-                board->begin(0, digestOf("ended"));
-                board->begin(1, digestOf("running"));
+                board->begin(0, hexOf("ended"));
+                board->begin(1, hexOf("running"));
                 board->end(0);
             });
             CHECK(board->recover() == 1);
-            CHECK(board->crashes(digestOf("running")) == crash);
+            CHECK(board->crashes(hexOf("running")) == crash);
         }
-        CHECK(board->crashes(digestOf("ended")) == 0);
+        CHECK(board->crashes(hexOf("ended")) == 0);
         CHECK(board->recover() == 0);
-        CHECK(board->crashes(digestOf("running")) == 2);
-        if (inFile) CHECK(openBoard(path)->crashes(digestOf("running")) == 2);
+        CHECK(board->crashes(hexOf("running")) == 2);
+        if (inFile) CHECK(openBoard(path)->crashes(hexOf("running")) == 2);
     }
 }
 
 TEST_CASE("crash board: a normal end and a release count from 0 again") {
     const auto board = openBoard("");
-    const std::string hex = digestOf("a");
+    const std::string hex = hexOf("a");
     board->begin(7, hex);
     CHECK(board->recover() == 1);
     CHECK(board->crashes(hex) == 1);
@@ -83,24 +83,24 @@ TEST_CASE("crash board: a normal end and a release count from 0 again") {
 
 TEST_CASE("crash board: an accused input alone has the crash") {
     const auto board = openBoard("");
-    board->begin(0, digestOf("bystander"));
-    board->begin(1, digestOf("culprit"));
+    board->begin(0, hexOf("bystander"));
+    board->begin(1, hexOf("culprit"));
     board->accuse(1);
     board->accuse(2);  // nothing runs there
     CHECK(board->recover() == 1);
-    CHECK(board->crashes(digestOf("bystander")) == 0);
-    CHECK(board->crashes(digestOf("culprit")) == 1);
+    CHECK(board->crashes(hexOf("bystander")) == 0);
+    CHECK(board->crashes(hexOf("culprit")) == 1);
 }
 
 TEST_CASE("crash board: an end on purpose is no crash, an input in two slots crashes once") {
     const auto board = openBoard("");
-    board->begin(0, digestOf("a"));
+    board->begin(0, hexOf("a"));
     board->clear();
     CHECK(board->recover() == 0);
-    board->begin(0, digestOf("a"));
-    board->begin(1, digestOf("a"));
+    board->begin(0, hexOf("a"));
+    board->begin(1, hexOf("a"));
     CHECK(board->recover() == 1);
-    CHECK(board->crashes(digestOf("a")) == 1);
+    CHECK(board->crashes(hexOf("a")) == 1);
 }
 
 TEST_CASE("crash board: crashes are forgotten after the quarantine") {
@@ -108,35 +108,35 @@ TEST_CASE("crash board: crashes are forgotten after the quarantine") {
     const std::string path = folder.path() + "/crashes";
     {
         const auto board = openBoard(path);
-        board->begin(0, digestOf("a"));
+        board->begin(0, hexOf("a"));
         board->recover();
     }
     const auto board = openBoard(path, 0s);
-    CHECK(board->crashes(digestOf("a")) == 0);
-    board->begin(0, digestOf("a"));
+    CHECK(board->crashes(hexOf("a")) == 0);
+    board->begin(0, hexOf("a"));
     board->recover();
-    CHECK(openBoard(path)->crashes(digestOf("a")) == 1);
+    CHECK(openBoard(path)->crashes(hexOf("a")) == 1);
 }
 
 TEST_CASE("crash board: one crash more than it has places drops the oldest only") {
     const auto board = openBoard("");
     for (std::size_t i = 0; i < CrashBoard::kInputs; ++i) {
-        board->begin(0, digestOf(std::to_string(i)));
+        board->begin(0, hexOf(std::to_string(i)));
         board->recover();
     }
     const auto known = [&] {
         int sum = 0;
         for (std::size_t i = 0; i < CrashBoard::kInputs; ++i)
-            sum += board->crashes(digestOf(std::to_string(i)));
+            sum += board->crashes(hexOf(std::to_string(i)));
         return sum;
     };
     CHECK(known() == CrashBoard::kInputs);
-    CHECK(board->release(digestOf("500")));
+    CHECK(board->release(hexOf("500")));
     for (const int left : {1, 2}) {  // the first takes the place that was released
-        board->begin(0, digestOf("more" + std::to_string(left)));
+        board->begin(0, hexOf("more" + std::to_string(left)));
         board->recover();
         CHECK(known() == static_cast<int>(CrashBoard::kInputs) - left);
-        CHECK(board->crashes(digestOf("more" + std::to_string(left))) == 1);
+        CHECK(board->crashes(hexOf("more" + std::to_string(left))) == 1);
     }
 }
 
@@ -145,7 +145,7 @@ TEST_CASE("crash board: a damaged file is begun anew") {
     const std::string path = folder.path() + "/crashes";
     {
         const auto board = openBoard(path);
-        board->begin(0, digestOf("a"));
+        board->begin(0, hexOf("a"));
     }
     const std::string whole = test::readFile(path);
     for (const std::string& bytes : {std::string(), whole.substr(1), "x" + whole.substr(1),
@@ -153,9 +153,9 @@ TEST_CASE("crash board: a damaged file is begun anew") {
         test::writeFile(path, bytes);
         const auto board = openBoard(path);
         CHECK(board->recover() == 0);
-        board->begin(0, digestOf("b"));
+        board->begin(0, hexOf("b"));
         CHECK(board->recover() == 1);
-        CHECK(board->crashes(digestOf("a")) == 0);
+        CHECK(board->crashes(hexOf("a")) == 0);
         CHECK(test::readFile(path).size() == whole.size());
     }
     test::writeFile(path, whole);
@@ -169,7 +169,7 @@ TEST_CASE("property: a crash at any instant leaves whole digests") {
     for (int cycle = 0; cycle < 30; ++cycle) {
         const pid_t child = ::fork();
         if (child == 0) {
-            const std::string digests[] = {digestOf("x"), digestOf("y")};
+            const std::string digests[] = {hexOf("x"), hexOf("y")};
             for (unsigned i = 0;; ++i) {
                 board->begin(i % 3, digests[i % 2]);
                 if (i % 5 == 0) board->end(i % 3);
@@ -179,10 +179,10 @@ TEST_CASE("property: a crash at any instant leaves whole digests") {
         ::kill(child, SIGKILL);
         int status = 0;
         REQUIRE(::waitpid(child, &status, 0) == child);
-        const int before = board->crashes(digestOf("x")) + board->crashes(digestOf("y"));
+        const int before = board->crashes(hexOf("x")) + board->crashes(hexOf("y"));
         const std::size_t counted = board->recover();
         CHECK(counted <= 2);
-        const int after = board->crashes(digestOf("x")) + board->crashes(digestOf("y"));
+        const int after = board->crashes(hexOf("x")) + board->crashes(hexOf("y"));
         CHECK(after - before == static_cast<int>(counted));
     }
 }
@@ -193,7 +193,7 @@ TEST_CASE("crash board: workers do not disturb each other") {
     for (std::size_t slot = 0; slot < 4; ++slot)
         workers.emplace_back([&, slot] {
             for (int i = 0; i < 200; ++i) {
-                board->begin(slot, digestOf(std::to_string(slot)));
+                board->begin(slot, hexOf(std::to_string(slot)));
                 if (i < 199) board->end(slot);
             }
         });

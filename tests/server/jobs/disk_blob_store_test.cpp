@@ -63,6 +63,7 @@ TEST_CASE("disk blobs: bytes come back, now and from the next store") {
             const auto store = openStore(folder.path());
             const auto put = store->put(bytes);
             REQUIRE(put);
+            CHECK((*put)->durable());
             CHECK((*put)->digest().hex == digest.hex);
             CHECK((*put)->digest().base64 == digest.base64);
             CHECK(std::ranges::equal((*put)->bytes(), bytes));

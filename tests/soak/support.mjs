@@ -1,0 +1,211 @@
+// What the drivers share: a server that runs the fake engine, requests, and the promises that a
+// state folder keeps.
+import {spawn, spawnSync} from 'node:child_process';
+import {createHash} from 'node:crypto';
+import {mkdtempSync, readdirSync, readFileSync, rmSync} from 'node:fs';
+import http from 'node:http';
+import {tmpdir} from 'node:os';
+import {join, resolve} from 'node:path';
+import {setTimeout as sleep} from 'node:timers/promises';
+import {pathToFileURL} from 'node:url';
+
+export {sleep};
+export const sha256 = (bytes) => createHash('sha256').update(bytes).digest();
+
+// Seeded numbers in [0, 1): the same run again has the same load.
+export function random(seed) {
+  let state = seed >>> 0;
+  return () => {
+    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+    return state / 2 ** 32;
+  };
+}
+
+// What the fake engine makes of a grid; tests/server/fake_engine.cpp has the same rule.
+export function expectedResult(text) {
+  const big = /^big:(\d+)/.exec(text);
+  if (!big) return Buffer.from(`asset of ${text}`);
+  const bytes = Buffer.alloc(Number(big[1]));
+  for (let i = 0, state = 1; i < bytes.length; ++i) {
+    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+    bytes[i] = state >>> 24;
+  }
+  return bytes;
+}
+
+// One request on a connection of its own. Rejects if no whole answer comes; `error.answered` says
+// whether it had begun.
+export function request(url, {method = 'GET', body, headers = {}, timeout = 30000} = {}) {
+  return new Promise((done, fail) => {
+    let answered = false;
+    const broken = (error) => fail(Object.assign(error, {answered}));
+    const outgoing = http.request(url, {method, headers, agent: false, timeout}, (answer) => {
+      answered = true;
+      const chunks = [];
+      answer.on('data', (chunk) => chunks.push(chunk));
+      answer.on('error', broken);
+      answer.on('end', () => done(
+        {status: answer.statusCode, headers: answer.headers, body: Buffer.concat(chunks)}));
+    });
+    outgoing.on('timeout', () => outgoing.destroy(new Error('no answer in time')));
+    outgoing.on('error', broken);
+    outgoing.end(body);
+  });
+}
+
+export const post = (server, path, text) => request(server.url + path,
+  {method: 'POST', body: text, headers: {'Content-Type': 'application/octet-stream'}});
+export const jsonOf = (answer) => JSON.parse(answer.body.toString());
+
+// rivage-fake-server with a supervisor and a state folder.
+export class Server {
+  constructor(build, folder, args = [], listen = '127.0.0.1:0') {
+    this.folder = folder;
+    this.log = '';
+    this.child = spawn(resolve(build, 'tests/rivage-fake-server'), ['--listen', listen,
+      '--admin-listen', 'off', '--state-dir', folder, '--workers', '2', '--kept-jobs', '100000',
+      '--result-budget', '4GiB', ...args]);
+    for (const stream of [this.child.stdout, this.child.stderr])
+      stream.on('data', (data) => { this.log += data; });
+    this.ended = new Promise((done) => this.child.on('close', (code) => done(code)));
+  }
+
+  async started() {
+    await until(() => /listening on (\S+)/.test(this.log) || this.child.exitCode !== null);
+    this.url = /listening on (\S+)/.exec(this.log)?.[1];
+    if (!this.url) throw new Error(`the server did not start:\n${this.log}`);
+    return this;
+  }
+
+  get servingPid() {
+    return Number([...this.log.matchAll(/ started pid=(\d+)/g)].at(-1)[1]);
+  }
+
+  get crashes() { return [...this.log.matchAll(/ crashed pid=/g)].length; }
+
+  // How often the log says that a job has ended.
+  endsOf(id) { return this.log.split(`job job=${id} `).length - 1; }
+
+  // Asks it to stop. @return its exit code
+  stop(signal = 'SIGTERM') {
+    this.child.kill(signal);
+    return this.ended;
+  }
+}
+
+export async function until(condition, milliseconds = 20000) {
+  const since = Date.now();
+  while (!(await condition())) {
+    if (Date.now() - since > milliseconds) throw new Error(`waited ${milliseconds} ms in vain`);
+    await sleep(2);
+  }
+}
+
+// Posts jobs until it is stopped, some of them at the same time, and remembers those accepted.
+export class Load {
+  constructor(getServer, {makeText, posters = 4, pause = 15}) {
+    this.getServer = getServer;
+    this.accepted = new Map();  // id -> text
+    this.refused = new Map();   // status -> count
+    this.broken = 0;            // posts without an answer: nobody knows whether they count
+    this.torn = 0;              // answers that broke off
+    this.running = true;
+    this.loops = Array.from({length: posters}, (_, i) => this.#post(i, makeText, pause));
+  }
+
+  async #post(poster, makeText, pause) {
+    for (let i = 0; this.running; ++i) {
+      const text = makeText(`${poster}-${i}`);
+      try {
+        const answer = await post(this.getServer(), '/v1/jobs', text);
+        const id = /\/v1\/jobs\/(\S+)$/.exec(answer.headers.location ?? '')?.[1];
+        if (answer.status === 202) this.accepted.set(id, text);
+        else this.refused.set(answer.status, (this.refused.get(answer.status) ?? 0) + 1);
+      } catch (error) {
+        ++this.broken;
+        if (error.answered) ++this.torn;
+      }
+      await sleep(pause);
+    }
+  }
+
+  async stop() {
+    this.running = false;
+    await Promise.all(this.loops);
+  }
+}
+
+// Waits until every accepted job has ended, and checks each: its state is clear, its result is that
+// of its grid, and the digests in the headers are those of the bytes.
+// @return {succeeded, poisoned, problems: text of each broken promise}
+export async function checkJobs(server, accepted, {allowPoison = false} = {}) {
+  const count = {succeeded: 0, poisoned: 0, problems: []};
+  for (const [id, text] of accepted) {
+    let job;
+    await until(async () => {
+      job = jsonOf(await request(`${server.url}/v1/jobs/${id}`));
+      return !['queued', 'running'].includes(job.state);
+    }, 60000);
+    if (job.state === 'succeeded') {
+      ++count.succeeded;
+      const problem = await checkResult(server, id, text);
+      if (problem) count.problems.push(`${id} (${text}): ${problem}`);
+    } else if (allowPoison && job.error?.type === '/problems/poison') {
+      ++count.poisoned;
+    } else {
+      count.problems.push(`${id} (${text}): ${job.state} ${JSON.stringify(job.error ?? job)}`);
+    }
+  }
+  return count;
+}
+
+async function checkResult(server, id, text) {
+  const {status, headers, body} = await request(`${server.url}/v1/jobs/${id}/result`);
+  if (status !== 200) return `its result answers ${status} ${body}`;
+  if (!body.equals(expectedResult(text))) return 'its result has other bytes';
+  const digest = sha256(body);
+  if (headers['repr-digest'] !== `sha-256=:${digest.toString('base64')}:`)
+    return `Repr-Digest ${headers['repr-digest']}`;
+  const tag = headers.etag?.replaceAll('"', '') ?? '';
+  return tag && digest.toString('hex').startsWith(tag) ? '' : `ETag ${headers.etag}`;
+}
+
+// What a state folder promises while no server uses it. @return text of each broken promise
+export function checkFolder(build, folder) {
+  const problems = [];
+  for (const name of readdirSync(join(folder, 'tmp'))) problems.push(`leftover tmp/${name}`);
+  for (const part of readdirSync(join(folder, 'blobs')))
+    for (const name of readdirSync(join(folder, 'blobs', part)))
+      if (sha256(readFileSync(join(folder, 'blobs', part, name))).toString('hex') !== name)
+        problems.push(`blob ${name} has other bytes`);
+  const check = spawnSync(resolve(build, 'tests/check_store'), [folder], {encoding: 'utf8'});
+  if (check.status !== 0) problems.push(`check_store: ${check.stdout}${check.stderr}`);
+  return problems;
+}
+
+export function makeFolder() { return mkdtempSync(join(tmpdir(), 'rivage-soak-')); }
+export function removeFolder(folder) { rmSync(folder, {recursive: true, force: true}); }
+
+// A table of figures, and the promises that were broken.
+export function report(name, figures, problems) {
+  const rows = Object.entries(figures).map(([what, value]) => `| ${what} | ${value} |`);
+  const broken = problems.length ? problems.slice(0, 20).map((text) => `- BROKEN: ${text}`) : ['- all promises kept'];
+  return [`## ${name}`, '', '| what | |', '|---|---|', ...rows, '', ...broken, ''].join('\n');
+}
+
+// Runs a driver if its file is the program: `node NAME.mjs BUILD [--times N]`.
+export async function main(url, name, drive) {
+  if (url !== pathToFileURL(process.argv[1]).href) return;
+  const [build, flag, times] = process.argv.slice(2);
+  if (!build || (flag && flag !== '--times')) {
+    console.error(`usage: node ${name}.mjs BUILD [--times N]`);
+    process.exit(2);
+  }
+  const {figures, problems, skipped} = await drive(build, times ? Number(times) : undefined);
+  if (skipped) {
+    console.error(skipped);
+    process.exit(77);
+  }
+  console.log(report(name, figures, problems));
+  process.exit(problems.length ? 1 : 0);
+}
