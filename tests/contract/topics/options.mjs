@@ -11,7 +11,6 @@ const kRefused = [
   ['alhpa=1', 'unknown-option', '/options/alhpa', /did you mean alpha\?/],
   ['colour=voxel', 'unknown-option', '/options/colour', /colors/],
   ['ALPHA=1', 'unknown-option', '/options', /ALPHA/],
-  ['=1', 'unknown-option', '/options', /./],
   ['%00=1', 'unknown-option', '/options', /./],
   [`${'x'.repeat(300)}=1`, 'unknown-option', '/options', /./],
   ['alpha=0', 'invalid-option', '/options/alpha', /alpha/],
@@ -29,7 +28,7 @@ const kRefused = [
   ['untangle=maybe', 'invalid-option', '/options/untangle', /untangle/],
   ['solver=magic', 'invalid-option', '/options/solver', /solver/],
   ['output=stl', 'invalid-option', '/options/output', /output/],
-  ['alpha=1&alpha=1', 'invalid-option', '/options/alpha', /twice/],
+  ['alpha=1&alpha=2', 'invalid-option', '/options/alpha', /twice/],
   ['output=obj&compression=draco', 'invalid-option', '/options/compression', /output=glb/],
   ['compression=none&draco_speed=1', 'invalid-option', '/options/draco_speed', /draco/],
   ['normals=trivial&radius=3', 'invalid-option', '/options/radius', /radius/],
@@ -130,10 +129,9 @@ describe('options of the real engine', () => {
     test(`${route}: bytes that are no grid`, async () => {
       assertProblem(await post(kRaw, Buffer.alloc(7, 1), route), 400, 'malformed-input');
       assertProblem(await post(kRaw, Buffer.alloc(9, 1), route), 400, 'malformed-input');
-      assertProblem(await post('format=vox', 'VOX nonsense', route), 400, 'malformed-input');
+      assertProblem(await post('format=vox', Buffer.from('VOX \x96\0\0\0MAIN', 'latin1'), route), 400, 'malformed-input');
       assertProblem(await post('format=npy', 'nonsense', route), 400, 'malformed-input');
       assertProblem(await post('', 'what is this?', route), 415, 'unsupported-format');
     });
   }
-
 });
