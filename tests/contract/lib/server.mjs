@@ -56,6 +56,7 @@ export class Server {
   #lines = [];
   #partial = '';
   #wake = new Set();
+  #asked = false;
 
   constructor(args, {fake = false, env = {}} = {}) {
     this.args = args.includes(kDrain[0]) ? args : [...kDrain, ...args];
@@ -118,9 +119,15 @@ export class Server {
     return this;
   }
 
-  // Ends the program as an operator would; it must end well.
+  // Asks the program to end, as an operator would.
+  terminate() {
+    this.#asked = true;
+    this.child.kill('SIGTERM');
+  }
+
+  // Ends the program; it must end well.
   async stop() {
-    if (this.code === undefined) this.child.kill('SIGTERM');
+    if (!this.#asked) this.terminate();
     const timer = setTimeout(() => this.child.kill('SIGKILL'), kPatience);
     const code = await this.ended;
     clearTimeout(timer);

@@ -6,7 +6,6 @@ import {describe, test} from 'node:test';
 import {fresh} from '../lib/grids.mjs';
 import {assertProblem, eventually, requestBytes, Server, useFolder, withFakeServer, withServer} from '../lib/server.mjs';
 
-const kTerm = (server) => server.child.kill('SIGTERM');
 const draining = (server) => server.logged((line) => line.event === 'draining', 'the drain');
 
 describe('stop', () => {
@@ -17,7 +16,7 @@ describe('stop', () => {
       await eventually(async () => (await server.jobsIn('running')).length === 1, 'it runs');
       await eventually(async () => (await server.jobsIn('queued')).length === 1, 'the other waits');
       assert.equal((await server.get('/readyz', {admin: true})).status, 200);
-      kTerm(server);
+      server.terminate();
       await draining(server);
       assertProblem(await server.get('/readyz', {admin: true}), 503, 'draining');
       assert.equal((await server.get('/livez', {admin: true})).status, 200);
@@ -34,7 +33,7 @@ describe('stop', () => {
     await withFakeServer(['--drain-timeout', '20s'], async (server) => {
       const answer = server.post('/v1/regularize', fresh('hold:600'));
       await eventually(async () => (await server.jobsIn('running')).length === 1, 'it runs');
-      kTerm(server);
+      server.terminate();
       await draining(server);
       const bytes = requestBytes('POST', '/v1/jobs', {headers: {'Expect': '100-continue', 'Content-Length': '2'}});
       assertProblem(await server.raw(bytes, {method: 'POST', target: '/v1/jobs'}), 503, 'draining');
@@ -47,7 +46,7 @@ describe('stop', () => {
       await withFakeServer(['--drain-timeout', '0s'], async (server) => {
         const answer = server.post(route, fresh('slow'));
         await eventually(async () => /^rivage_workers_busy 1$/m.test(await server.metrics()), 'it runs');
-        kTerm(server);
+        server.terminate();
         assertProblem(await answer, 409, 'canceled');
       });
     });
@@ -55,9 +54,9 @@ describe('stop', () => {
   test('a second signal ends it at once', async () => {
     const server = await new Server(['--drain-timeout', '60s'], {fake: true}).start();
     await server.inState(await server.submit(fresh('slow')), 'running');
-    kTerm(server);
+    server.terminate();
     await draining(server);
-    kTerm(server);
+    server.terminate();
     assert.notEqual(await server.ended, 0);
   });
 
