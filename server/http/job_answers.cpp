@@ -2,11 +2,14 @@
 
 #include <cstdio>
 
+#include "server/net/answer.h"
+
 namespace rivage::server {
 
 core::Result<std::shared_ptr<Job>> findJob(Exchange& exchange) {
     const std::string& id = exchange.request.path_params.at("id");
-    if (!looksLikeUuid(id)) return core::fail(core::ErrorCode::notFound, "this is no job id", "/id");
+    if (!looksLikeUuid(id))
+        return core::fail(core::ErrorCode::notFound, "this is no job id", "/id");
     return exchange.service.pool.find(exchange.owner, id);
 }
 
@@ -36,6 +39,7 @@ void writeAccepted(Exchange& exchange, const Job& job) {
 }
 
 void writeBytes(httplib::Response& response, const ResultPtr& result) {
+    lendBytes(response, result, result->blob->bytes());
     response.set_content_provider(
         result->size(), result->mediaType,
         [result](std::size_t offset, std::size_t length, httplib::DataSink& sink) {

@@ -5,6 +5,7 @@
 #include "server/http/job_answers.h"
 #include "server/http/prefer.h"
 #include "server/http/routes.h"
+#include "server/net/answer.h"
 
 namespace rivage::server {
 namespace {
@@ -95,7 +96,7 @@ void getJob(Exchange& exchange) {
         const HeldPlace place(service.waiting, service.longPolls);
         const auto until = Clock::now() + *prefer.wait;
         while (place.held() && !service.stopping && Clock::now() < until &&
-               !(*job)->waitEnded(kPollInterval) && !exchange.request.is_connection_closed()) {
+               !(*job)->waitEnded(kPollInterval) && !clientLeft(exchange.request)) {
         }
     }
     writeJob(exchange, 200, **job);

@@ -5,6 +5,7 @@
 #include "server/http/routes.h"
 #include "server/http/upload.h"
 #include "server/jobs/idempotency.h"
+#include "server/net/answer.h"
 
 namespace rivage::server {
 namespace {
@@ -124,7 +125,7 @@ bool waitWhileWatched(Exchange& exchange, const std::shared_ptr<Job>& job,
                       Clock::time_point until) {
     Waiting waiting(job);
     while (!job->waitEnded(kPollInterval)) {
-        if (exchange.request.is_connection_closed()) {
+        if (clientLeft(exchange.request)) {
             if (waiting.leave()) exchange.service.pool.cancel(job);
             exchange.response.status = kClientClosed;
             return false;

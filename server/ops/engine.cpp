@@ -1,8 +1,11 @@
 #include "server/ops/engine.h"
 
+#include <fstream>
+#include <iterator>
 #include <utility>
 
 #include "core/pipeline.h"
+#include "server/jobs/digest.h"
 
 namespace rivage::server {
 namespace {
@@ -20,9 +23,18 @@ core::Result<core::Artifact> inspectAsJson(std::span<const std::byte> input,
     return artifact;
 }
 
+/// Differs between builds, since another build may give other bytes: the version with a digest of
+/// the program.
+std::string engineVersion() {
+    std::ifstream file("/proc/self/exe", std::ios::binary);
+    const std::string program{std::istreambuf_iterator<char>(file), {}};
+    return std::string(RIVAGE_VERSION) + "+" +
+           sha256(std::as_bytes(std::span(program))).hex.substr(0, 16);
+}
+
 }  // namespace
 
-Engine coreEngine() { return {core::convert, inspectAsJson}; }
+Engine coreEngine() { return {core::convert, inspectAsJson, engineVersion()}; }
 
 Samples coreSamples() { return {core::sampleNames(), core::sampleScene}; }
 
