@@ -25,6 +25,8 @@
 namespace rivage::core {
 namespace {
 
+constexpr const char* kGlb = "model/gltf-binary";
+
 /// A merged grid with what the report says about where it came from.
 struct Input {
     VoxelGrid grid;
@@ -183,10 +185,27 @@ void reportChoices(const NormalEstimate& estimate, SurfaceReport& report) {
     report.featureLinels = estimate.featureLinels;
 }
 
+/// Makes artifacts of what the solver has so far. One that cannot be made is left out: the
+/// conversion itself will say why.
+Observer previewer(const VoxelGrid& grid, const LinkedSurface& made, const Energy& energy,
+                   const OutputOptions& output, const RunContext& run) {
+    if (!run.preview || output.format != OutputFormat::glb) return {};
+    return [&](int step, const PointelVectors& positions) {
+        const double value = energy.value(positions).total();
+        const auto mesh = buildMesh(grid, made.surface, made.links, positions, output, run);
+        if (!mesh) return;
+        auto bytes = writeGlb(*mesh, output, {{"step", step}, {"energy", value}}, run);
+        if (bytes) run.preview({step, value, *std::move(bytes), kGlb});
+    };
+}
+
 /// Normals, energy, minimizer and untangling: the positions of the pointels.
-Result<PointelVectors> regularize(const VoxelGrid& grid, const DigitalSurface& surface,
-                                  const SurfelLinks& links, const MethodOptions& options,
-                                  const RunContext& run, ConversionReport& report) {
+Result<PointelVectors> regularize(const VoxelGrid& grid, const LinkedSurface& made,
+                                  const ConversionOptions& conversion, const RunContext& run,
+                                  ConversionReport& report) {
+    const DigitalSurface& surface = made.surface;
+    const SurfelLinks& links = made.links;
+    const MethodOptions& options = conversion.method;
     auto weights = weightsByRegion(surface, grid.labels, options.energy, run);
     if (!weights) return fail(weights.error());
     run.report(Stage::normals, 0);
@@ -197,7 +216,8 @@ Result<PointelVectors> regularize(const VoxelGrid& grid, const DigitalSurface& s
     run.report(Stage::solve, 0);
     const Energy energy(surface, std::move(estimate->normals), *std::move(weights), options.energy,
                         run);
-    auto solution = minimize(energy, options.solve, run);
+    auto solution = minimize(energy, options.solve, run, {},
+                             previewer(grid, made, energy, conversion.output, run));
     if (!solution) return fail(solution.error());
     SolveReport& solve = report.solve;
     solve.solver = solution->solver;
@@ -259,14 +279,14 @@ Result<Artifact> convert(std::span<const std::byte> input, const ConversionOptio
     if (!made) return fail(made.error());
     const auto& [surface, links] = *made;
 
-    const auto positions = regularize(grid, surface, links, options.method, run, report);
+    const auto positions = regularize(grid, *made, options, run, report);
     if (!positions) return fail(positions.error());
 
     run.report(Stage::mesh, 0);
     const auto mesh = buildMesh(grid, surface, links, *positions, options.output, run);
     if (!mesh) return fail(mesh.error());
     const bool glb = options.output.format == OutputFormat::glb;
-    artifact.mediaType = glb ? "model/gltf-binary" : "model/obj";
+    artifact.mediaType = glb ? kGlb : "model/obj";
     artifact.extension = glb ? "glb" : "obj";
     report.output = {.mediaType = artifact.mediaType,
                      .vertices = vertexCount(*mesh),

@@ -124,6 +124,22 @@ Option presetOption() {
             }};
 }
 
+Option progressiveOption() {
+    return {
+        {"progressive",
+         "run",
+         OptionType::flag,
+         {},
+         0,
+         0,
+         "Makes previews of the surface while the solver runs, for output=glb; the result stays "
+         "the same."},
+        [](JobOptions& options, const OptionValue& value) {
+            options.run.progressive = std::get<bool>(value);
+        },
+        [](const JobOptions& options) -> Json { return options.run.progressive; }};
+}
+
 Option deadlineOption() {
     return {{"deadline_ms",
              "run",
@@ -327,6 +343,7 @@ std::vector<Option> makeTable() {
     addOutput(table);
     addCompression(table);
     table.push_back(deadlineOption());
+    table.push_back(progressiveOption());
     return table;
 }
 

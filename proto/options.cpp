@@ -79,11 +79,14 @@ JobOptions defaults() {
     return options;
 }
 
+/// How a job runs is told only where it is not as usual.
 Json effective(const JobOptions& options) {
+    const JobOptions usual = defaults();
     Json object = Json::object();
     for (const Option& option : optionTable()) {
         if (option.applies && !option.applies(options)) continue;
         Json value = option.get(options);
+        if (option.info.group == "run" && value == option.get(usual)) continue;
         if (!value.is_null()) object[option.info.name] = std::move(value);
     }
     return object;

@@ -16,6 +16,7 @@ namespace rivage::proto {
 /// How a job runs, beside what it converts.
 struct RunOptions {
     std::optional<std::uint64_t> deadlineMs;  ///< from acceptance to the end; none: the server's
+    bool progressive = false;                 ///< previews are made while the solver runs
 };
 
 /// Everything that a client can ask for with one grid.

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "core/base/result.h"
 
@@ -29,6 +31,14 @@ struct Limits {
     std::uint64_t maxOutputBytes = 1ULL << 30;  ///< bytes of the artifact
 };
 
+/// The artifact of an intermediate state of the solver.
+struct Preview {
+    int step = 0;       ///< of the solver: 0 is the voxel surface itself, then 1, 4, 16, ...
+    double energy = 0;  ///< of the surface shown
+    std::vector<std::byte> bytes;
+    std::string mediaType;
+};
+
 /// What every stage gets beside its data: threads, limits, and the ways to stop and to watch it.
 /// The callbacks must be cheap and must not throw; `progress` and `preview` are called from one
 /// thread at a time, `stopRequested` from all threads of a stage, every few milliseconds at least.
@@ -41,6 +51,8 @@ struct RunContext {
     std::function<ErrorCode()> stopReason = {};
     /// A stage begins (`fraction` 0) or has done `fraction` of its work.
     std::function<void(Stage, double fraction)> progress = {};
+    /// Set if previews are wanted; they change nothing in the result.
+    std::function<void(Preview)> preview = {};
 
     [[nodiscard]] bool stopped() const { return stopRequested && stopRequested(); }
     void report(Stage stage, double fraction) const {

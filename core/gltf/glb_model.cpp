@@ -1,11 +1,14 @@
 #include "core/gltf/glb_model.h"
 
+#include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <limits>
-#include <ostream>
-#include <streambuf>
+#include <nlohmann/json.hpp>
+#include <sstream>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/gltf/gltf_material.h"
 #include "core/gltf/json_value.h"
 
@@ -17,25 +20,38 @@ constexpr const char* kDraco = "KHR_draco_mesh_compression";
 // The value that restarts a primitive is no index, so the largest 16-bit index is 65534.
 constexpr std::size_t kMaxVertices16 = 65535;
 
-// A stream buffer that appends to a byte vector, so that the file is held once.
-class ByteSink : public std::streambuf {
-public:
-    explicit ByteSink(std::vector<std::byte>& bytes) : bytes_(bytes) {}
+constexpr std::uint32_t kMagic = 0x46546c67;  // "glTF"
+constexpr std::uint32_t kJsonChunk = 0x4e4f534a;
+constexpr std::uint32_t kBinaryChunk = 0x004e4942;
 
-protected:
-    std::streamsize xsputn(const char* data, std::streamsize size) override {
-        const auto* first = reinterpret_cast<const std::byte*>(data);
-        bytes_.insert(bytes_.end(), first, first + size);
-        return size;
-    }
-    int_type overflow(int_type c) override {
-        bytes_.push_back(static_cast<std::byte>(c));
-        return c;
-    }
+void append(std::vector<std::byte>& bytes, std::initializer_list<std::uint32_t> words) {
+    for (const std::uint32_t word : words)
+        for (int shift = 0; shift < 32; shift += 8)
+            bytes.push_back(static_cast<std::byte>(word >> shift & 0xff));
+}
 
-private:
-    std::vector<std::byte>& bytes_;
-};
+/// The two chunks as a GLB; empty if `run` asked to stop.
+std::vector<std::byte> container(std::string json, std::span<const std::byte> buffer,
+                                 const RunContext& run) {
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    const std::size_t padded = (buffer.size() + 3) / 4 * 4;
+    const std::size_t size = 12 + 8 + json.size() + 8 + padded;
+    std::vector<std::byte> bytes;
+    bytes.reserve(size);
+    append(bytes, {kMagic, 2, static_cast<std::uint32_t>(size),
+                   static_cast<std::uint32_t>(json.size()), kJsonChunk});
+    const auto* first = reinterpret_cast<const std::byte*>(json.data());
+    bytes.insert(bytes.end(), first, first + json.size());
+    append(bytes, {static_cast<std::uint32_t>(padded), kBinaryChunk});
+    constexpr std::size_t kPiece = 1 << 20;
+    for (std::size_t at = 0; at < buffer.size(); at += kPiece) {
+        if (run.stopped()) return {};
+        const auto piece = buffer.subspan(at, std::min(kPiece, buffer.size() - at));
+        bytes.insert(bytes.end(), piece.begin(), piece.end());
+    }
+    bytes.resize(size);
+    return bytes;
+}
 
 tinygltf::Value number(std::size_t value) { return tinygltf::Value(static_cast<int>(value)); }
 
@@ -114,12 +130,15 @@ void GlbModel::addDraco(const DracoPrimitive& encoded, std::uint32_t material) {
     model_.meshes.back().primitives.push_back(std::move(out));
 }
 
-void GlbModel::addPlainIndices(const MeshPrimitive& primitive, tinygltf::Primitive& out) {
+void GlbModel::addPlainIndices(const MeshPrimitive& primitive, const RunContext& run,
+                               tinygltf::Primitive& out) {
     const auto addAs = [&]<typename Index>(Index, int componentType) {
         std::vector<Index> indices;
         indices.reserve(6 * primitive.quads.size());
-        for (const Quad& quad : primitive.quads)
-            for (const int k : {0, 1, 2, 0, 2, 3}) indices.push_back(static_cast<Index>(quad[k]));
+        serialFor(primitive.quads.size(), run, [&](std::size_t q) {
+            for (const int k : {0, 1, 2, 0, 2, 3})
+                indices.push_back(static_cast<Index>(primitive.quads[q][k]));
+        });
         const int view = addView(bytesOf(indices), TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
         out.indices = addAccessor(view, {componentType, TINYGLTF_TYPE_SCALAR}, indices.size());
     };
@@ -129,7 +148,8 @@ void GlbModel::addPlainIndices(const MeshPrimitive& primitive, tinygltf::Primiti
         addAs(std::uint32_t{}, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT);
 }
 
-void GlbModel::addPlain(const MeshPrimitive& primitive, const Placement& placement) {
+void GlbModel::addPlain(const MeshPrimitive& primitive, const Placement& placement,
+                        const RunContext& run) {
     constexpr int kVertices = TINYGLTF_TARGET_ARRAY_BUFFER;
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     tinygltf::Primitive out;
@@ -138,14 +158,15 @@ void GlbModel::addPlain(const MeshPrimitive& primitive, const Placement& placeme
     std::array<float, 3> low{kInfinity, kInfinity, kInfinity};
     std::array<float, 3> high{-kInfinity, -kInfinity, -kInfinity};
     std::vector<std::array<float, 3>> rows;
-    for (const Vec3d& position : primitive.positions) {
-        const Vec3f p = placement.position(position);
+    rows.reserve(primitive.positions.size());
+    serialFor(primitive.positions.size(), run, [&](std::size_t v) {
+        const Vec3f p = placement.position(primitive.positions[v]);
         for (int i = 0; i < 3; ++i) {
             low[i] = std::min(low[i], p[i]);
             high[i] = std::max(high[i], p[i]);
         }
         rows.push_back({p.x(), p.y(), p.z()});
-    }
+    });
     const auto addRows = [&] {
         return addAccessor(addView(bytesOf(rows), kVertices),
                            {TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3}, rows.size());
@@ -153,22 +174,22 @@ void GlbModel::addPlain(const MeshPrimitive& primitive, const Placement& placeme
     out.attributes["POSITION"] = addRows();
     setBounds(out.attributes["POSITION"], low, high);
     rows.clear();
-    for (const Vec3f& normal : primitive.normals) {
-        const Vec3f n = placement.direction(normal.cast<double>()).cast<float>();
+    serialFor(primitive.normals.size(), run, [&](std::size_t v) {
+        const Vec3f n = placement.direction(primitive.normals[v].cast<double>()).cast<float>();
         rows.push_back({n.x(), n.y(), n.z()});
-    }
+    });
     if (!rows.empty()) out.attributes["NORMAL"] = addRows();
     if (!primitive.colors.empty())
         out.attributes["COLOR_0"] =
             addAccessor(addView(bytesOf(primitive.colors), kVertices),
                         {TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_VEC4, true},
                         primitive.colors.size());
-    addPlainIndices(primitive, out);
+    addPlainIndices(primitive, run, out);
     model_.meshes.back().primitives.push_back(std::move(out));
 }
 
 std::vector<std::byte> GlbModel::finish(const std::vector<MeshMaterial>& materials,
-                                        const tinygltf::Value& report) {
+                                        const tinygltf::Value& report, const RunContext& run) {
     for (const MeshMaterial& material : materials)
         model_.materials.push_back(toGltf(material, extensions_));
     if (usesDraco_) {
@@ -184,15 +205,13 @@ std::vector<std::byte> GlbModel::finish(const std::vector<MeshMaterial>& materia
         scene.nodes.push_back(static_cast<int>(i));
     model_.scenes.push_back(std::move(scene));
     model_.defaultScene = 0;
-    model_.buffers.resize(1);
-    model_.buffers[0].data = std::move(buffer_);
 
-    std::vector<std::byte> bytes;
-    bytes.reserve(model_.buffers[0].data.size() + (1U << 16));
-    ByteSink sink(bytes);
-    std::ostream stream(&sink);
-    if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model_, stream, false, true)) return {};
-    return bytes;
+    // The library would copy the buffer twice, and a gigabyte takes long enough to be asked to stop.
+    std::ostringstream text;
+    if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model_, text, false, false)) return {};
+    auto json = nlohmann::json::parse(text.str());
+    json["buffers"] = {{{"byteLength", buffer_.size()}}};
+    return container(json.dump(), std::as_bytes(std::span(buffer_)), run);
 }
 
 }  // namespace rivage::core

@@ -2,25 +2,30 @@
 
 #include <string>
 
+#include "core/base/parallel.h"
+
 namespace rivage::core {
 namespace {
 
-bool allFinite(const MeshPrimitive& primitive, const Placement& placement) {
-    for (const Vec3d& position : primitive.positions)
-        if (!placement.position(position).allFinite()) return false;
-    for (const Vec3f& normal : primitive.normals)
-        if (!normal.allFinite()) return false;
-    return true;
+bool allFinite(const MeshPrimitive& primitive, const Placement& placement, const RunContext& run) {
+    bool finite = true;
+    serialFor(primitive.positions.size(), run, [&](std::size_t v) {
+        finite = finite && placement.position(primitive.positions[v]).allFinite();
+    });
+    serialFor(primitive.normals.size(), run,
+              [&](std::size_t v) { finite = finite && primitive.normals[v].allFinite(); });
+    return finite;
 }
 
 }  // namespace
 
-Result<void> checkMesh(const Mesh& mesh, const Placement& placement) {
+Result<void> checkMesh(const Mesh& mesh, const Placement& placement, const RunContext& run) {
     if (triangleCount(mesh) == 0) return fail(ErrorCode::emptyGrid, "the mesh has no face");
     for (const MeshPart& part : mesh.parts)
         for (const MeshPrimitive& primitive : part.primitives)
-            if (!allFinite(primitive, placement))
+            if (!allFinite(primitive, placement, run))
                 return fail(ErrorCode::internal, "a position of the mesh is not a finite number");
+    if (run.stopped()) return fail(run.stopError());
     return {};
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/parallel.h"
+
 namespace rivage::core {
 namespace {
 
@@ -14,16 +16,16 @@ constexpr int kMaxBits = 20;
 }  // namespace
 
 Quantization quantizationOf(const Mesh& mesh, const Placement& placement,
-                            const OutputOptions& options) {
+                            const OutputOptions& options, const RunContext& run) {
     // The box starts as that of the voxels, so the grid does not depend on small displacements.
     Vec3d low = mesh.boxMin;
     Vec3d high = mesh.boxMax;
     for (const MeshPart& part : mesh.parts)
         for (const MeshPrimitive& primitive : part.primitives)
-            for (const Vec3d& position : primitive.positions) {
-                low = low.cwiseMin(position);
-                high = high.cwiseMax(position);
-            }
+            serialFor(primitive.positions.size(), run, [&](std::size_t v) {
+                low = low.cwiseMin(primitive.positions[v]);
+                high = high.cwiseMax(primitive.positions[v]);
+            });
     low = low.array().floor();
     high = high.array().ceil();
     const double extent = std::max(1.0, (high - low).maxCoeff());

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/base/options.h"
+#include "core/base/run_context.h"
 #include "core/gltf/placement.h"
 #include "core/mesh/mesh.h"
 
@@ -23,6 +24,6 @@ struct Quantization {
 /// @param mesh  not empty, positions finite
 /// @source      ours: a step of at most 0.01 voxel cannot be seen
 [[nodiscard]] Quantization quantizationOf(const Mesh& mesh, const Placement& placement,
-                                          const OutputOptions& options);
+                                          const OutputOptions& options, const RunContext& run = {});
 
 }  // namespace rivage::core

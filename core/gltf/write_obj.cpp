@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/gltf/mesh_checks.h"
 #include "core/gltf/placement.h"
 #include "core/mesh/colors.h"
@@ -32,7 +33,10 @@ public:
 
     void add(std::string_view text) {
         const auto* first = reinterpret_cast<const std::byte*>(text.data());
-        bytes_.insert(bytes_.end(), first, first + text.size());
+        if (blocks_.empty() || blocks_.back().size() >= kBlock)
+            blocks_.emplace_back().reserve(kRoom);
+        blocks_.back().insert(blocks_.back().end(), first, first + text.size());
+        size_ += text.size();
     }
     template <typename Number>
     void addNumber(std::string_view before, Number value) {
@@ -46,69 +50,89 @@ public:
         // Adding zero turns -0 into 0.
         for (int i = 0; i < 3; ++i) addNumber(" ", row[i] + 0.0F);
     }
-    [[nodiscard]] std::size_t size() const { return bytes_.size(); }
-    [[nodiscard]] bool full() const { return bytes_.size() > limit_; }
-    [[nodiscard]] std::vector<std::byte> take() { return std::move(bytes_); }
+    [[nodiscard]] std::size_t size() const { return size_; }
+    [[nodiscard]] bool full() const { return size_ > limit_; }
+    /// The whole text; some is missing once `run` asked to stop.
+    [[nodiscard]] std::vector<std::byte> take(const RunContext& run) {
+        std::vector<std::byte> bytes;
+        bytes.reserve(size_);
+        for (const auto& block : blocks_)
+            if (!run.stopped()) bytes.insert(bytes.end(), block.begin(), block.end());
+        return bytes;
+    }
 
 private:
+    static constexpr std::size_t kBlock = 1 << 20;
+    static constexpr std::size_t kRoom = kBlock + 4096;
+
     std::uint64_t limit_;
-    std::vector<std::byte> bytes_;
+    std::size_t size_ = 0;
+    std::vector<std::vector<std::byte>> blocks_;  // one long text would be copied as it grows
 };
 
 // Both stop at the limit, so a text is never much longer than that.
-void addVertices(const MeshPrimitive& primitive, const Placement& placement, ObjText& text) {
-    for (std::size_t v = 0; v < primitive.positions.size() && !text.full(); ++v) {
+void addVertices(const MeshPrimitive& primitive, const Placement& placement, const RunContext& run,
+                 ObjText& text) {
+    serialFor(primitive.positions.size(), run, [&](std::size_t v) {
+        if (text.full()) return;
         text.addRow("v", placement.position(primitive.positions[v]));
         if (!primitive.colors.empty())
             for (std::size_t i = 0; i < 3; ++i)
                 text.addNumber(" ",
                                static_cast<float>(srgbFromLinear(primitive.colors[v][i])) / 255.0F);
         text.add("\n");
-    }
-    for (const Vec3f& normal : primitive.normals) {
+    });
+    serialFor(primitive.normals.size(), run, [&](std::size_t v) {
         if (text.full()) return;
-        text.addRow("vn", placement.direction(normal.cast<double>()).cast<float>());
+        text.addRow("vn", placement.direction(primitive.normals[v].cast<double>()).cast<float>());
         text.add("\n");
-    }
+    });
 }
 
-void addFaces(const MeshPrimitive& primitive, std::uint64_t firstVertex, std::uint64_t firstNormal,
+/// Numbers of the first vertex and the first normal of a primitive in the file.
+struct ObjStart {
+    std::uint64_t vertex = 1;
+    std::uint64_t normal = 1;
+};
+
+void addFaces(const MeshPrimitive& primitive, const ObjStart& start, const RunContext& run,
               ObjText& text) {
-    for (const Quad& quad : primitive.quads) {
+    serialFor(primitive.quads.size(), run, [&](std::size_t q) {
         if (text.full()) return;
         text.add("f");
-        for (const std::uint32_t v : quad) {
-            text.addNumber(" ", firstVertex + v);
-            if (!primitive.normals.empty()) text.addNumber("//", firstNormal + v);
+        for (const std::uint32_t v : primitive.quads[q]) {
+            text.addNumber(" ", start.vertex + v);
+            if (!primitive.normals.empty()) text.addNumber("//", start.normal + v);
         }
         text.add("\n");
-    }
+    });
 }
 
 Result<std::vector<std::byte>> write(const Mesh& mesh, const OutputOptions& options,
                                      const RunContext& run) {
     const Placement placement = placementOf(mesh, options);
-    if (auto checked = checkMesh(mesh, placement); !checked) return fail(checked.error());
+    if (auto checked = checkMesh(mesh, placement, run); !checked) return fail(checked.error());
     ObjText text(run.limits.maxOutputBytes);
     text.add("# Rivage " RIVAGE_VERSION ", metres, ");
     text.add(options.up == UpAxis::y ? "y up\n" : "z up\n");
-    std::uint64_t nextVertex = 1;
-    std::uint64_t nextNormal = 1;
+    ObjStart next;
     for (const MeshPart& part : mesh.parts) {
         text.add("o " + objName(part.name) + "\n");
         for (const MeshPrimitive& primitive : part.primitives) {
-            if (run.stopped()) return fail(run.stopError());
             text.add("g " + objName(part.name) + " " +
                      objName(mesh.materials[primitive.material].name) + "\n");
-            addVertices(primitive, placement, text);
-            addFaces(primitive, nextVertex, nextNormal, text);
-            nextVertex += primitive.positions.size();
-            nextNormal += primitive.normals.size();
+            addVertices(primitive, placement, run, text);
+            addFaces(primitive, next, run, text);
+            if (run.stopped()) return fail(run.stopError());
+            next.vertex += primitive.positions.size();
+            next.normal += primitive.normals.size();
             const auto fits = checkOutputBytes(text.size(), run.limits.maxOutputBytes);
             if (!fits) return fail(fits.error());
         }
     }
-    return text.take();
+    std::vector<std::byte> bytes = text.take(run);
+    if (run.stopped()) return fail(run.stopError());
+    return bytes;
 }
 
 }  // namespace

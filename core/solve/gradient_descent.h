@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/solve/refinement.h"
+#include "core/solve/step_watch.h"
 
 namespace rivage::core {
 
@@ -9,6 +10,6 @@ namespace rivage::core {
 /// @source METHOD.md 2.2
 Solution solveGradientDescent(DisplacementSystem& system, const Boxes& boxes,
                               const SolveOptions& options, const RunContext& run,
-                              const PointelVectors* start);
+                              const Begin& begin);
 
 }  // namespace rivage::core

@@ -4,6 +4,7 @@
 #include "core/solve/gradient_descent.h"
 #include "core/solve/pcg.h"
 #include "core/solve/projected.h"
+#include "core/solve/step_watch.h"
 
 namespace rivage::core {
 namespace {
@@ -32,27 +33,29 @@ Result<SolverKind> chooseSolver(const Energy& energy, const SolveOptions& option
 }  // namespace
 
 Result<Solution> minimize(const Energy& energy, const SolveOptions& options, const RunContext& run,
-                          const Start& start) {
+                          const Start& start, const Observer& observer) {
     const auto solver = chooseSolver(energy, options, start.held != nullptr);
     if (!solver) return fail(solver.error());
+    if (observer) observer(0, start.positions ? *start.positions : energy.restPositions());
+    StepWatch watch(observer, run);
     DisplacementSystem system(energy);
     const Boxes boxes(energy.surface(), options.displacementLimit, start.held);
     Result<Solution> solution;
     switch (*solver) {
         case SolverKind::automatic:
         case SolverKind::projected:
-            solution = solveProjected(system, boxes, options, run, start.positions);
+            solution = solveProjected(system, boxes, options, run, {start.positions, watch});
             break;
         case SolverKind::accelerated:
-            solution = solveAccelerated(system, boxes, options, run, start.positions);
+            solution = solveAccelerated(system, boxes, options, run, {start.positions, watch});
             break;
         case SolverKind::pcg:
         case SolverKind::multigrid:
             solution = solvePcg(system, boxes, *solver == SolverKind::multigrid, options, run,
-                                start.positions);
+                                {start.positions, watch});
             break;
         case SolverKind::gradientDescent:
-            solution = solveGradientDescent(system, boxes, options, run, start.positions);
+            solution = solveGradientDescent(system, boxes, options, run, {start.positions, watch});
             break;
         case SolverKind::cholesky: solution = solveCholesky(system, boxes, run); break;
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "core/base/options.h"
@@ -22,17 +23,22 @@ struct Start {
     const IdVector<PointelId, std::uint8_t>* held = nullptr;
 };
 
+/// Is given the positions at steps 0, 1, 4, 16, ... of a solver: 0 are the positions it begins at,
+/// for `cholesky` there is no other. Changes nothing in the solution.
+using Observer = std::function<void(int step, const PointelVectors& positions)>;
+
 /// Minimizes the energy, inside the box |x_i - p_i|_inf <= displacementLimit if one is set.
 ///
 /// Everything is solved for the displacement x - p, whose right-hand side is small, so that the
 /// relative residual means what it says. Fixed coordinates of the surface stay where they rest.
 /// @param start  for all iterative solvers; the residual is still relative to that of the rest
 ///               positions
+/// @param observer  empty: nobody looks, at no cost
 /// @errors invalidOption if `pcg`, `multigrid` or `cholesky` is asked for together with a limit;
 ///         tooLarge if `cholesky` is asked for a surface above `kMaxCholeskyPointels`; cancelled
 /// @cost   a few hundred operator applications in float, METHOD.md 2.5 and 7.2
 Result<Solution> minimize(const Energy& energy, const SolveOptions& options, const RunContext& run,
-                          const Start& start = {});
+                          const Start& start = {}, const Observer& observer = {});
 
 /// Factorization is a reference for small surfaces: its time grows with the square of the size.
 inline constexpr std::size_t kMaxCholeskyPointels = 20000;

@@ -7,11 +7,11 @@
 namespace rivage::core {
 
 Solution solvePcg(DisplacementSystem& system, const Boxes& boxes, bool coarse,
-                  const SolveOptions& options, const RunContext& run, const PointelVectors* start) {
+                  const SolveOptions& options, const RunContext& run, const Begin& begin) {
     // As far as a round in float may reduce the residual before it is measured again: less, and
     // rounding would make it lie; more, and measuring would cost too much.
     constexpr double kRound = 1e-3;
-    Refinement refinement(system, boxes, start);
+    Refinement refinement(system, boxes, begin.positions);
     FloatOperator operation(system.energy(), run);
     std::optional<CoarseLevels> levels;
     if (coarse && !run.stopped()) levels.emplace(system.energy(), operation, run);
@@ -37,6 +37,7 @@ Solution solvePcg(DisplacementSystem& system, const Boxes& boxes, bool coarse,
             const double squared = cg.step();
             ++iterations;
             if (squared < 0) break;
+            begin.watch.step([&] { return refinement.positionsWith(cg.correction()); });
             reached = std::sqrt(squared);
         }
         refinement.add(cg.correction());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/solve/refinement.h"
+#include "core/solve/step_watch.h"
 
 namespace rivage::core {
 
@@ -9,6 +10,6 @@ namespace rivage::core {
 /// @param coarse  coarse levels in the preconditioner (`multigrid`), or block Jacobi alone (`pcg`)
 /// @source METHOD.md 2.5, SOLVER.md
 Solution solvePcg(DisplacementSystem& system, const Boxes& boxes, bool coarse,
-                  const SolveOptions& options, const RunContext& run, const PointelVectors* start);
+                  const SolveOptions& options, const RunContext& run, const Begin& begin);
 
 }  // namespace rivage::core

@@ -39,9 +39,9 @@ Solution stoppedSolution(const Refinement& refinement, const char* name) {
 }  // namespace
 
 Solution solveProjected(DisplacementSystem& system, const Boxes& boxes, const SolveOptions& options,
-                        const RunContext& run, const PointelVectors* start) {
+                        const RunContext& run, const Begin& begin) {
     constexpr double kRound = 1e-4;  // reduction before the gradient is measured in double again
-    Refinement refinement(system, boxes, start);
+    Refinement refinement(system, boxes, begin.positions);
     if (run.stopped()) return stoppedSolution(refinement, "projected");
     Inner inner(system.energy(), run);
     Convergence convergence(refinement.initial(), options, run);
@@ -49,12 +49,14 @@ Solution solveProjected(DisplacementSystem& system, const Boxes& boxes, const So
     double residual = refinement.measure();
     for (int round = 0; convergence.goOn(residual, iterations); ++round) {
         FloatMprgp& mprgp = inner.startAt(refinement);
+        const auto shown = [&] { return refinement.positionsWith(mprgp.correction()); };
         const double target =
             std::max(kRound * residual, 0.7 * options.tolerance * refinement.initial());
         if (round == 0) {
             for (int k = 0; k < kApproachSteps && convergence.goOn(residual, iterations); ++k) {
                 mprgp.approachStep();
                 ++iterations;
+                begin.watch.step(shown);
             }
             mprgp.measure();
             // Momentum has no proof of descent under projection: without descent, without it.
@@ -66,6 +68,7 @@ Solution solveProjected(DisplacementSystem& system, const Boxes& boxes, const So
             const int applications = mprgp.step();
             if (applications == 0) break;
             iterations += applications;
+            begin.watch.step(shown);
             reached = std::sqrt(mprgp.residual());
         }
         refinement.add(mprgp.correction());
@@ -80,10 +83,9 @@ Solution solveProjected(DisplacementSystem& system, const Boxes& boxes, const So
 }
 
 Solution solveAccelerated(DisplacementSystem& system, const Boxes& boxes,
-                          const SolveOptions& options, const RunContext& run,
-                          const PointelVectors* start) {
+                          const SolveOptions& options, const RunContext& run, const Begin& begin) {
     constexpr int kLookEvery = 25;  // steps; a look costs as much as five of them
-    Refinement refinement(system, boxes, start);
+    Refinement refinement(system, boxes, begin.positions);
     if (run.stopped()) return stoppedSolution(refinement, "accelerated");
     Inner inner(system.energy(), run);
     Convergence convergence(refinement.initial(), options, run);
@@ -94,6 +96,11 @@ Solution solveAccelerated(DisplacementSystem& system, const Boxes& boxes,
     while (convergence.goOn(residual, iterations)) {
         mprgp.approachStep();
         ++iterations;
+        begin.watch.step([&] {
+            Refinement now = refinement;
+            now.reset(origin);
+            return now.positionsWith(mprgp.correction());
+        });
         if (iterations % kLookEvery != 0 && iterations != options.maxIterations) continue;
         refinement.reset(origin);
         refinement.add(mprgp.correction());

@@ -86,4 +86,10 @@ void Refinement::add(const FloatVectors& correction) {
     });
 }
 
+PointelVectors Refinement::positionsWith(const FloatVectors& correction) const {
+    Refinement copy = *this;
+    copy.add(correction);
+    return copy.positions();
+}
+
 }  // namespace rivage::core

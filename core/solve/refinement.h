@@ -35,6 +35,8 @@ public:
     void reset(const PointelVectors& d) { d_ = d; }
     /// Adds a correction; a coordinate that used up its room lands on its side exactly.
     void add(const FloatVectors& correction);
+    /// What `positions` would be after `add`.
+    [[nodiscard]] PointelVectors positionsWith(const FloatVectors& correction) const;
 
 private:
     DisplacementSystem& system_;

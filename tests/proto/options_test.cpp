@@ -312,7 +312,10 @@ TEST_CASE("property: the effective options, given back, are the same options") {
         {{"displacement_limit", "none"}, {"draco_position_bits", "12"}, {"alpha", "1e-7"}},
         {{"border", "open"}, {"spacing", "0.5x1x2"}, {"split", "false"}},
         {{"weights", R"({"sea":{"alpha":10},"*":{"gamma":2}})"}},
-        {{"hidden", "keep"}, {"untangle", "false"}, {"deadline_ms", "1000"}}};
+        {{"hidden", "keep"},
+         {"untangle", "false"},
+         {"deadline_ms", "1000"},
+         {"progressive", "true"}}};
     for (const auto& given : cases) {
         const auto options = parse(given);
         REQUIRE(options);
@@ -322,6 +325,17 @@ TEST_CASE("property: the effective options, given back, are the same options") {
         CHECK(proto::toJson(*again) == echo);
     }
     CHECK_FALSE(proto::toJson(parse({{"deadline_ms", "9"}})->conversion).contains("deadline_ms"));
+}
+
+TEST_CASE("parseOptions: progressive changes how a job runs, not what it converts") {
+    const auto options = parse({{"progressive", "true"}});
+    REQUIRE(options);
+    CHECK(options->run.progressive);
+    CHECK(proto::toJson(*options)["progressive"] == true);
+    CHECK(proto::toJson(options->conversion) == proto::toJson(parse({})->conversion));
+    CHECK_FALSE(parse({})->run.progressive);
+    CHECK_FALSE(proto::toJson(*parse({})).contains("progressive"));
+    CHECK_FALSE(parse({{"progressive", "perhaps"}}));
 }
 
 TEST_CASE("describeOptions: every option with type, default and a sentence") {

@@ -1,4 +1,5 @@
 #include <doctest/doctest.h>
+#include <atomic>
 
 #include <numeric>
 #include <vector>
@@ -34,6 +35,33 @@ TEST_SUITE("core/base") {
         CHECK(run.stopError().code == ErrorCode::cancelled);
         const RunContext late{.stopReason = [] { return ErrorCode::timedOut; }};
         CHECK(late.stopError().code == ErrorCode::timedOut);
+    }
+
+    TEST_CASE("parallelBlocks: the workers of a run poll it, those of a number do not") {
+        for (const int threads : {1, 2, 7}) {
+            std::atomic<int> polls{0};
+            const RunContext run{.threads = threads, .stopRequested = [&] { return ++polls > 3; }};
+            std::atomic<int> blocks{0};
+            CHECK_FALSE(parallelBlocks(1000, 10, run, [&](std::size_t, std::size_t) { ++blocks; }));
+            CHECK(blocks == 3);
+            CHECK(parallelBlocks(1000, 10, threads, [&](std::size_t, std::size_t) { ++blocks; }));
+            CHECK(blocks == 103);
+        }
+    }
+
+    TEST_CASE("serialFor: every element in order, until it is asked to stop") {
+        std::vector<std::size_t> seen;
+        CHECK(serialFor(
+            25, 1, [&](std::size_t i) { seen.push_back(i); }, 10));
+        std::vector<std::size_t> expected(25);
+        std::iota(expected.begin(), expected.end(), std::size_t{0});
+        CHECK(seen == expected);
+        int polls = 0;
+        const RunContext run{.stopRequested = [&] { return ++polls > 2; }};
+        seen.clear();
+        CHECK_FALSE(serialFor(
+            25, run, [&](std::size_t i) { seen.push_back(i); }, 10));
+        CHECK(seen.size() == 20);
     }
 
     TEST_CASE("determinism: blocked sums have the same bits for threads 1, 2, 7") {
