@@ -173,9 +173,6 @@ void HttpServer::explain(const httplib::Request& request, httplib::Response& res
         response.body.clear();
     }
     if (!response.body.empty() || response.status == kClientClosed) return;
-    const bool crowded =
-        response.status == 400 && request.headers.size() >= CPPHTTPLIB_HEADER_MAX_COUNT;
-    if (crowded) response.status = 431;
     proto::Problem problem{proto::transportProblemType(response.status)};
     problem.type.status = response.status;
     if (response.status == 413) {
@@ -183,8 +180,6 @@ void HttpServer::explain(const httplib::Request& request, httplib::Response& res
         problem.limit = service_.limits.maxUploadBytes;
         problem.setting = "--max-upload";
     }
-    if (response.status == 431) problem.limit = CPPHTTPLIB_HEADER_MAX_COUNT;
-    if (response.status == 414) problem.limit = CPPHTTPLIB_REQUEST_URI_MAX_LENGTH;
     writeProblem(service_, response, problem);
 }
 

@@ -50,6 +50,7 @@ struct Connection {
     NetClock::time_point deadline = {};
     RateGuard guard{{}, 0, {}, 0};
     std::size_t discarded = 0;
+    bool watched = false;  ///< known to epoll
 };
 
 }  // namespace rivage::server

@@ -93,15 +93,17 @@ void Front::run() {
     while (!stopping_ || accepting_ || !connections_.empty()) {
         const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()),
                                        static_cast<int>(kTick.count()));
+        bool woken = false;
         for (int i = 0; i < count; ++i) {
             void* target = events[static_cast<std::size_t>(i)].data.ptr;
             if (target == &wake_)
-                takeReturned();
+                woken = true;
             else if (target == &acceptor_)
                 acceptAll();
             else
                 onReady(*static_cast<Connection*>(target));
         }
+        if (woken) takeReturned();
         const auto now = NetClock::now();
         beat(now);
         if (now >= nextSweep_) sweep(now);
@@ -137,8 +139,6 @@ void Front::welcome(Accepted accepted) {
     Connection& connection = *owned;
     connection.host = std::move(accepted.host);
     connection.port = accepted.port;
-    epoll_event none{EPOLLONESHOT, {&connection}};
-    if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, connection.channel.fd(), &none) != 0) return;
     connections_.emplace(&connection, std::move(owned));
     if (crowded) return refuse(connection, full("too many connections are open", "--connections"));
     enter(connection, tls_ ? Place::handshake : Place::head, limits_.headTimeout);
@@ -309,11 +309,15 @@ void Front::sweepAtStop(NetClock::time_point now) {
     }
 }
 
+/// Waits for one event, then for none until the next call: a connection that is in a handler, or
+/// was closed, is never in a batch of events.
 void Front::arm(Connection& connection, IoStatus wanted) {
     const std::uint32_t events = wanted == IoStatus::wantWrite ? EPOLLOUT : EPOLLIN;
-    // One event, then silence until the next call: a connection in a handler wakes nobody.
     epoll_event event{events | EPOLLONESHOT, {&connection}};
-    ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, connection.channel.fd(), &event);
+    const bool known = std::exchange(connection.watched, true);
+    if (::epoll_ctl(epoll_.get(), known ? EPOLL_CTL_MOD : EPOLL_CTL_ADD, connection.channel.fd(),
+                    &event) != 0)
+        close(connection);
 }
 
 void Front::enter(Connection& connection, Place place, NetLimits::Time timeout) {
@@ -358,14 +362,17 @@ bool Front::nextIsHere(Connection& connection) {
         const HeadVerdict verdict = connection.scan(limits_);
         if (verdict.complete) return true;
         if (verdict.status != 0) return false;
-        const Io io = connection.channel.read(buffer);
-        if (io.status == IoStatus::done) {
-            connection.in.append(buffer.data(), io.bytes);
-            continue;
-        }
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - NetClock::now());
-        if (io.status != IoStatus::wantRead || left <= 0ms) return false;
-        waitFor(connection.channel, io.status, static_cast<int>(left.count()));
+        const bool mayHoldBytes = connection.channel.secure();  // that no poll sees
+        if (!mayHoldBytes && !waitFor(connection.channel, IoStatus::wantRead,
+                                      std::max(0, static_cast<int>(left.count()))))
+            return false;
+        const Io io = connection.channel.read(buffer);
+        if (io.status == IoStatus::done)
+            connection.in.append(buffer.data(), io.bytes);
+        else if (io.status != IoStatus::wantRead || left <= 0ms || !mayHoldBytes ||
+                 !waitFor(connection.channel, io.status, static_cast<int>(left.count())))
+            return false;
     }
     return false;
 }

@@ -62,6 +62,8 @@ TEST_CASE("errors: what the HTTP layer refuses is a problem too") {
     CHECK(isProblem(server.raw("GET / HTTP/9.9\r\n\r\n"), "400"));
     CHECK(isProblem(server.raw("BREW / HTTP/1.1\r\nHost: x\r\n\r\n"), "400"));
     CHECK(isProblem(server.raw("GET /" + std::string(9000, 'x') + " HTTP/1.1\r\n\r\n"), "414"));
+    CHECK(isProblem(server.raw("GET / HTTP/1.1\r\nX: " + std::string(9000, 'x')), "431"));
+    CHECK(isProblem(server.raw("\x16\x03\x01"), "400"));
     std::string crowd = "GET / HTTP/1.1\r\n";
     for (int i = 0; i < 200; ++i) crowd += "X-" + std::to_string(i) + ": y\r\n";
     CHECK(isProblem(server.raw(crowd + "\r\n"), "431"));

@@ -151,6 +151,26 @@ TEST_CASE("Front: a client that ends its sending still gets its answers") {
     }
 }
 
+// A connection that was never waited for in epoll was registered there all the same; the event of
+// its client leaving came after it was gone.
+TEST_CASE("regression: clients that leave before their answer are forgotten once") {
+    const NetServer server;
+    for (int round = 0; round < 20; ++round) {
+        Clients clients;
+        for (int i = 0; i < 20; ++i) {
+            clients.push_back(std::make_unique<RawClient>(server.address));
+            clients.back()->send(get("/quick", i % 2 ? "Connection: close\r\n" : ""));
+        }
+    }
+    CHECK(eventually([&] {
+        return server.count(Phase::idle) + server.count(Phase::handler) +
+                   server.count(Phase::closing) ==
+               0;
+    }));
+    CHECK(server.front->stats().accepted == 400);
+    CHECK(quickMilliseconds(server.address) < 1000);
+}
+
 TEST_CASE("clientLeft: sees a client go, also behind a pipelined request") {
     const NetServer server;
     RawClient client(server.address);
