@@ -27,7 +27,7 @@ void writeJson(httplib::Response& response, int status, const proto::Json& json)
 void writeProblem(const Service& service, httplib::Response& response,
                   const proto::Problem& problem) {
     response.status = problem.type.status;
-    if (problem.type.status == 503)
+    if (problem.type.status == 503 || problem.type.status == 507)
         response.set_header("Retry-After", std::to_string(service.pool.retryAfter().count()));
     response.set_content(proto::writeJson(proto::toJson(problem)) + "\n", proto::kProblemMediaType);
 }
