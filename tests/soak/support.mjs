@@ -57,6 +57,10 @@ export const post = (server, path, text) => request(server.url + path,
   {method: 'POST', body: text, headers: {'Content-Type': 'application/octet-stream'}});
 export const jsonOf = (answer) => JSON.parse(answer.body.toString());
 
+// Without our own variables, which the server would take for settings.
+const plainEnvironment = () => Object.fromEntries(
+  Object.entries(process.env).filter(([name]) => !name.startsWith('RIVAGE_')));
+
 // rivage-fake-server with a supervisor and a state folder.
 export class Server {
   constructor(build, folder, args = [], listen = '127.0.0.1:0') {
@@ -64,7 +68,7 @@ export class Server {
     this.log = '';
     this.child = spawn(resolve(build, 'tests/rivage-fake-server'), ['--listen', listen,
       '--admin-listen', 'off', '--state-dir', folder, '--workers', '2', '--kept-jobs', '100000',
-      '--result-budget', '4GiB', ...args]);
+      '--result-budget', '4GiB', ...args], {env: plainEnvironment()});
     for (const stream of [this.child.stdout, this.child.stderr])
       stream.on('data', (data) => { this.log += data; });
     this.ended = new Promise((done) => this.child.on('close', (code) => done(code)));
