@@ -67,7 +67,7 @@ export class Server {
     this.folder = folder;
     this.log = '';
     this.child = spawn(resolve(build, 'tests/rivage-fake-server'), ['--listen', listen,
-      '--admin-listen', 'off', '--state-dir', folder, '--workers', '2', '--kept-jobs', '100000',
+      '--admin-listen', '127.0.0.1:0', '--state-dir', folder, '--workers', '2', '--kept-jobs', '100000',
       '--result-budget', '4GiB', ...args], {env: plainEnvironment()});
     for (const stream of [this.child.stdout, this.child.stderr])
       stream.on('data', (data) => { this.log += data; });
@@ -80,6 +80,8 @@ export class Server {
     if (!this.url) throw new Error(`the server did not start:\n${this.log}`);
     return this;
   }
+
+  get adminUrl() { return /admin address=(\S+)/.exec(this.log)[1]; }
 
   get servingPid() {
     return Number([...this.log.matchAll(/ started pid=(\d+)/g)].at(-1)[1]);
