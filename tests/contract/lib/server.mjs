@@ -71,11 +71,18 @@ export class Server {
     this.child.stderr.setEncoding('utf8').on('data', (text) => this.#read(text));
     this.ended = new Promise((resolve, reject) => {
       this.child.on('error', reject);
-      this.child.on('close', (code, signal) => {
+      const end = (code, signal) => {
         this.code = code ?? signal;
         this.#tell();
         resolve(this.code);
-      });
+      };
+      this.child.on('close', end);
+      // A process that it left behind would keep the pipes open.
+      this.child.on('exit', (code, signal) => setTimeout(() => {
+        this.child.stdout.destroy();
+        this.child.stderr.destroy();
+        end(code, signal);
+      }, 1000));
     });
     this.ended.catch(() => {});
   }
@@ -224,6 +231,18 @@ export async function withServer(args, options, use) {
   } finally {
     await server.stop();
   }
+}
+
+// Starts a program that must refuse to. Its exit code.
+export async function refusedStart(args, options = {}) {
+  const server = new Server(args, options);
+  try {
+    await server.start();
+  } catch {
+    return server.ended;
+  }
+  await server.stop();
+  return assert.fail('it started');
 }
 
 export const withFakeServer = (args, use) => withServer(args, {fake: true}, use);

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import {describe, test} from 'node:test';
 import {fresh} from '../lib/grids.mjs';
-import {withFakeServer} from '../lib/server.mjs';
+import {eventually, withFakeServer} from '../lib/server.mjs';
 
 const kProgressive = {query: '?progressive=true'};
 const kUnknown = '/v1/jobs/01234567-89ab-7def-8123-456789abcdef';
@@ -98,6 +98,16 @@ describe('states', () => {
       await deleted(server, path);
       assert.equal((await server.get(path)).status, 404);
       assert.equal((await server.ask('DELETE', path)).status, 404);
+    });
+  });
+
+  test('a conversion whose job is deleted by another request says so', async () => {
+    await withFakeServer(['--workers', '1'], async (server) => {
+      const answer = server.post('/v1/regularize', fresh('slow'));
+      const path = await eventually(async () => (await server.jobsIn('running'))[0], 'it runs');
+      await deleted(server, path);
+      const {status, problem} = await answer;
+      assert.deepEqual([status, problem], [409, 'canceled']);
     });
   });
 
