@@ -2,6 +2,8 @@
 import assert from 'node:assert/strict';
 import {requestBytes} from './http.mjs';
 
+const kPatience = 20000;
+
 // Splits the text of a stream into what its blocks say: {id, event, data} , {retry} or {comment}.
 function readBlock(block) {
   const event = {};
@@ -51,10 +53,13 @@ export class EventStream {
     return readBlock(block);
   }
 
-  // The next event of a kind, or of any; undefined at the end.
+  // The next event of a kind, or of any; undefined at the end. Heartbeats do not make it wait on.
   async next(kind) {
-    for (let block; (block = await this.nextBlock());)
+    const limit = Date.now() + kPatience;
+    for (let block; (block = await this.nextBlock());) {
       if (block.event !== undefined && (!kind || block.event === kind)) return block;
+      assert.ok(Date.now() < limit, `an event ${kind ?? ''} within ${kPatience} ms`);
+    }
     return undefined;
   }
 

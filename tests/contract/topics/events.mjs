@@ -89,10 +89,12 @@ describe('events', {concurrency: 8}, () => {
         assert.deepEqual(await eventsOf(server, path, options(events[i].id)), events.slice(i + 1));
     });
 
-  test('after the last event there is nothing: the stream ends', async () => {
+  test('who has seen the last event is told again that it is done', async () => {
     const path = await finished(server, fresh());
-    const last = (await eventsOf(server, path)).at(-1).id;
-    assert.deepEqual(await eventsOf(server, path, {headers: {'Last-Event-ID': String(last)}}), []);
+    const {id, data} = (await eventsOf(server, path)).at(-1);
+    const again = await eventsOf(server, path, {headers: {'Last-Event-ID': String(id)}});
+    assert.deepEqual(again.map(({event}) => event), ['done']);
+    assert.deepEqual(again[0].data, data);
   });
 
   test('a Last-Event-ID that is no id of ours does no harm', async () => {
@@ -119,15 +121,16 @@ describe('events', {concurrency: 8}, () => {
   });
 
   test('a silent stream has a heartbeat within 15 s', async () => {
-    const path = await server.submit(fresh('slow'));
-    const stream = await EventStream.open(server, path);
-    const since = Date.now();
-    let block = await stream.nextBlock();
-    while (block && block.comment === undefined) block = await stream.nextBlock();
-    assert.ok(block, 'a comment');
-    assert.ok(Date.now() - since < 15000);
-    stream.close();
-    await server.ask('DELETE', path);
+    await withFakeServer(['--workers', '1'], async (small) => {
+      await small.inState(await small.submit(fresh('slow')), 'running');
+      const stream = await EventStream.open(small, await small.submit(fresh('slow')));
+      const since = Date.now();
+      let block = {};
+      while (block && block.comment === undefined && Date.now() - since < 15000)
+        block = await stream.nextBlock();
+      assert.notEqual(block?.comment, undefined, 'a comment');
+      stream.close();
+    });
   });
 
   test('places in the queue are told', async () => {
