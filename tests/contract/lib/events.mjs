@@ -30,8 +30,11 @@ export class EventStream {
   static async open(server, path, {headers = {}, query = ''} = {}) {
     const stream = new EventStream();
     stream.connection = await server.connect();
-    stream.connection.send(requestBytes('GET', `${path}/events${query}`,
-      {headers: {Accept: 'text/event-stream', ...headers}}));
+    stream.connection.send(
+      requestBytes('GET', `${path}/events${query}`, {
+        headers: {Accept: 'text/event-stream', ...headers},
+      })
+    );
     stream.head = await stream.connection.head();
     stream.#pieces = stream.connection.pieces(stream.head, 'GET');
     return stream;
@@ -70,5 +73,7 @@ export class EventStream {
     return events;
   }
 
-  close() { this.connection.close(); }
+  close() {
+    this.connection.close();
+  }
 }

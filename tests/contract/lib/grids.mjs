@@ -16,11 +16,22 @@ export const fresh = (kind = 'ok') => `${kind}-${process.pid}-${++counter}`;
 
 // A form. parts: lists of [name, content, {filename, type}].
 export function form(parts, {boundary = 'frontier', end = true} = {}) {
-  const pieces = parts.map(([name, content, {filename, type, raw} = {}]) => Buffer.concat([
-    Buffer.from(`--${boundary}\r\n${raw ?? `Content-Disposition: form-data; name="${name}"` +
-      (filename === undefined ? '' : `; filename="${filename}"`)}\r\n` +
-      (type ? `Content-Type: ${type}\r\n` : '') + '\r\n', 'latin1'),
-    Buffer.from(content), Buffer.from('\r\n')]));
+  const pieces = parts.map(([name, content, {filename, type, raw} = {}]) =>
+    Buffer.concat([
+      Buffer.from(
+        `--${boundary}\r\n${
+          raw ??
+          `Content-Disposition: form-data; name="${name}"` +
+            (filename === undefined ? '' : `; filename="${filename}"`)
+        }\r\n` +
+          (type ? `Content-Type: ${type}\r\n` : '') +
+          '\r\n',
+        'latin1'
+      ),
+      Buffer.from(content),
+      Buffer.from('\r\n'),
+    ])
+  );
   return {
     body: Buffer.concat([...pieces, Buffer.from(end ? `--${boundary}--\r\n` : '')]),
     headers: {'Content-Type': `multipart/form-data; boundary=${boundary}`},
@@ -42,7 +53,7 @@ function zstdBlock(type, size, content, last) {
 // A Zstandard frame (RFC 8878) without a content size, made by hand: node 20 has no zstd.
 function zstdFrame(blocks) {
   const magic = Buffer.from([0x28, 0xb5, 0x2f, 0xfd]);
-  const descriptor = Buffer.from([0x00, 0x38]);  // no flags; a window of 2^17 bytes
+  const descriptor = Buffer.from([0x00, 0x38]); // no flags; a window of 2^17 bytes
   return Buffer.concat([magic, descriptor, ...blocks]);
 }
 

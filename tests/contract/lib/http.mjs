@@ -2,9 +2,20 @@
 import assert from 'node:assert/strict';
 import net from 'node:net';
 
-const kPatience = 20000;  // milliseconds; far above every wait that a test asks for
-const kSingle = ['content-length', 'content-type', 'transfer-encoding', 'etag', 'location',
-  'x-request-id', 'retry-after', 'connection', 'www-authenticate', 'repr-digest', 'content-digest'];
+const kPatience = 20000; // milliseconds; far above every wait that a test asks for
+const kSingle = [
+  'content-length',
+  'content-type',
+  'transfer-encoding',
+  'etag',
+  'location',
+  'x-request-id',
+  'retry-after',
+  'connection',
+  'www-authenticate',
+  'repr-digest',
+  'content-digest',
+];
 
 export class Connection {
   #buffer = Buffer.alloc(0);
@@ -51,18 +62,25 @@ export class Connection {
     const limit = Date.now() + patience;
     while (!there()) {
       if (this.#ended)
-        throw new Error(`the connection ended before ${what}` +
-          `${this.#error ? ` (${this.#error.code})` : ''}; so far: ${this.#shown()}`);
+        throw new Error(
+          `the connection ended before ${what}` +
+            `${this.#error ? ` (${this.#error.code})` : ''}; so far: ${this.#shown()}`
+        );
       const left = limit - Date.now();
       if (left <= 0) throw new Error(`no ${what} within ${patience} ms; so far: ${this.#shown()}`);
       await new Promise((resolve) => {
         const timer = setTimeout(resolve, left);
-        this.#wake = () => { clearTimeout(timer); resolve(); };
+        this.#wake = () => {
+          clearTimeout(timer);
+          resolve();
+        };
       });
     }
   }
 
-  #shown() { return JSON.stringify(this.#buffer.subarray(0, 200).toString('latin1')); }
+  #shown() {
+    return JSON.stringify(this.#buffer.subarray(0, 200).toString('latin1'));
+  }
 
   async take(count, what = `${count} bytes`) {
     await this.#until(() => this.#buffer.length >= count, what);
@@ -91,8 +109,12 @@ export class Connection {
     assert.equal(rest.length, 0, `bytes after the answer: ${rest.subarray(0, 200)}`);
   }
 
-  get pending() { return this.#buffer.length; }
-  get ended() { return this.#ended; }
+  get pending() {
+    return this.#buffer.length;
+  }
+  get ended() {
+    return this.#ended;
+  }
 
   // Status line and header fields of what comes next, which may be a 1xx answer.
   async anyHead() {
@@ -128,7 +150,7 @@ export class Connection {
   }
 
   // The pieces of the body that belongs to a head.
-  async* pieces({status, headers}, method) {
+  async *pieces({status, headers}, method) {
     if (method === 'HEAD' || status === 204 || status === 304) return;
     if (headers['transfer-encoding'] !== undefined) {
       assert.equal(headers['transfer-encoding'], 'chunked');
@@ -141,7 +163,7 @@ export class Connection {
     }
   }
 
-  async* #chunks() {
+  async *#chunks() {
     for (;;) {
       const size = await this.takeLine('size of a chunk');
       assert.match(size, /^[0-9a-fA-F]{1,8}$/);
@@ -159,19 +181,27 @@ export class Connection {
     return new Answer(head, Buffer.concat(pieces));
   }
 
-  close() { this.socket.destroy(); }
+  close() {
+    this.socket.destroy();
+  }
 }
 
 export class Answer {
   constructor({status, headers, informational}, body) {
     Object.assign(this, {status, headers, informational, body});
   }
-  get text() { return this.body.toString(); }
-  get json() { return JSON.parse(this.text); }
+  get text() {
+    return this.body.toString();
+  }
+  get json() {
+    return JSON.parse(this.text);
+  }
   // The last part of the type of a problem.
   get problem() {
     const type = this.headers['content-type'] ?? '';
-    return type.startsWith('application/problem+json') ? this.json.type.split('/').pop() : undefined;
+    return type.startsWith('application/problem+json')
+      ? this.json.type.split('/').pop()
+      : undefined;
   }
 }
 

@@ -38,7 +38,11 @@ export function readMetrics(text) {
     assert.ok(family?.type, `a type before ${line}`);
     assert.ok(!seen.has(`${match[1]}${match[2]}`), `${line} once`);
     seen.add(`${match[1]}${match[2]}`);
-    family.samples.push({name: match[1], labels: readLabels(match[3]), value: Number(match[4].replace('Inf', 'Infinity'))});
+    family.samples.push({
+      name: match[1],
+      labels: readLabels(match[3]),
+      value: Number(match[4].replace('Inf', 'Infinity')),
+    });
   }
   return families;
 }
@@ -46,7 +50,10 @@ export function readMetrics(text) {
 // The sum of the samples with this name and these labels; 0 if there are none.
 export function valueOf(families, name, labels = {}) {
   const base = families.has(name) ? name : name.replace(/_(bucket|sum|count)$/, '');
-  const samples = (families.get(base)?.samples ?? []).filter((sample) => sample.name === name &&
-    Object.entries(labels).every(([label, value]) => sample.labels[label] === value));
+  const samples = (families.get(base)?.samples ?? []).filter(
+    (sample) =>
+      sample.name === name &&
+      Object.entries(labels).every(([label, value]) => sample.labels[label] === value)
+  );
   return samples.reduce((sum, sample) => sum + sample.value, 0);
 }

@@ -6,18 +6,35 @@ import addFormats from 'ajv-formats';
 import Ajv from 'ajv/dist/2020.js';
 
 export const schema = JSON.parse(
-  readFileSync(new URL('../../../proto/openapi.yaml', import.meta.url), 'utf8'));
+  readFileSync(new URL('../../../proto/openapi.yaml', import.meta.url), 'utf8')
+);
 
 const ajv = new Ajv({strict: false, allErrors: true});
 addFormats(ajv);
 ajv.addSchema({$id: 'rivage', ...schema});
 
-const kGeneral = ['content-type', 'content-length', 'connection', 'keep-alive', 'date',
-  'transfer-encoding', 'x-content-type-options', 'x-request-id', 'vary', 'accept-ranges'];
-const kCors = ['access-control-allow-origin', 'access-control-allow-methods',
-  'access-control-allow-headers', 'access-control-max-age', 'access-control-expose-headers'];
+const kGeneral = [
+  'content-type',
+  'content-length',
+  'connection',
+  'keep-alive',
+  'date',
+  'transfer-encoding',
+  'x-content-type-options',
+  'x-request-id',
+  'vary',
+  'accept-ranges',
+];
+const kCors = [
+  'access-control-allow-origin',
+  'access-control-allow-methods',
+  'access-control-allow-headers',
+  'access-control-max-age',
+  'access-control-expose-headers',
+];
 // What would show how the server is built.
-const kInside = /\bstd::|what\(\)|terminate called|\.cpp\b|\.h:\d|0x[0-9a-f]{6,}|secret|\/(root|home|work|usr)\//;
+const kInside =
+  /\bstd::|what\(\)|terminate called|\.cpp\b|\.h:\d|0x[0-9a-f]{6,}|secret|\/(root|home|work|usr)\//;
 
 const escaped = (text) => text.replaceAll('~', '~0').replaceAll('/', '~1');
 const pointer = (...parts) => `#/${parts.map((part) => escaped(String(part))).join('/')}`;
@@ -25,8 +42,10 @@ const pointer = (...parts) => `#/${parts.map((part) => escaped(String(part))).jo
 // The object at a JSON pointer, and where it stands after all references.
 export function resolve(at) {
   for (;;) {
-    const object = at.slice(2).split('/').reduce((value, part) =>
-      value?.[part.replaceAll('~1', '/').replaceAll('~0', '~')], schema);
+    const object = at
+      .slice(2)
+      .split('/')
+      .reduce((value, part) => value?.[part.replaceAll('~1', '/').replaceAll('~0', '~')], schema);
     assert.ok(object !== undefined, `the schema has no ${at}`);
     if (!object.$ref) return {object, at};
     at = object.$ref;
@@ -38,30 +57,40 @@ export function validate(at, value, what) {
   if (!compiled.has(at)) compiled.set(at, ajv.compile({$ref: `rivage${at}`}));
   const check = compiled.get(at);
   if (check(value)) return;
-  const errors = check.errors.slice(0, 6).map((error) =>
-    `${error.instancePath || '/'} ${error.message} ${JSON.stringify(error.params)}`);
-  assert.fail(`${what}:\n  ${errors.join('\n  ')}\n  value: ${JSON.stringify(value)?.slice(0, 600)}`);
+  const errors = check.errors
+    .slice(0, 6)
+    .map(
+      (error) => `${error.instancePath || '/'} ${error.message} ${JSON.stringify(error.params)}`
+    );
+  assert.fail(
+    `${what}:\n  ${errors.join('\n  ')}\n  value: ${JSON.stringify(value)?.slice(0, 600)}`
+  );
 }
 
 const segments = (path) => path.split('/');
 function matches(pattern, path) {
   const [expected, given] = [segments(pattern), segments(path)];
-  return expected.length === given.length &&
-    expected.every((part, i) => (part.startsWith('{') ? given[i] !== '' : part === given[i]));
+  return (
+    expected.length === given.length &&
+    expected.every((part, i) => (part.startsWith('{') ? given[i] !== '' : part === given[i]))
+  );
 }
 
 // The path of the schema that a request path belongs to.
 export function routeOf(path, admin = false) {
   const plain = path.split('?')[0];
-  return Object.keys(schema.paths).find((pattern) =>
-    matches(pattern, plain) && Boolean(schema.paths[pattern].servers) === admin);
+  return Object.keys(schema.paths).find(
+    (pattern) => matches(pattern, plain) && Boolean(schema.paths[pattern].servers) === admin
+  );
 }
 
 export const methodsOf = (route) =>
-  Object.keys(schema.paths[route]).filter((name) => name !== 'servers').map((name) => name.toUpperCase());
+  Object.keys(schema.paths[route])
+    .filter((name) => name !== 'servers')
+    .map((name) => name.toUpperCase());
 
-export const allowedOf = (route) => new Set([...methodsOf(route), 'OPTIONS',
-  ...(methodsOf(route).includes('GET') ? ['HEAD'] : [])]);
+export const allowedOf = (route) =>
+  new Set([...methodsOf(route), 'OPTIONS', ...(methodsOf(route).includes('GET') ? ['HEAD'] : [])]);
 
 const kErrors = '#/components/responses/Error';
 export const generalStatuses = schema.components.responses.Error['x-statuses'];
@@ -91,7 +120,11 @@ function checkHeaders(response, at, headers, admin) {
     const number = field.object.schema.type === 'integer' && /^\d+$/.test(value);
     validate(`${field.at}/schema`, number ? Number(value) : value, name);
   }
-  const known = [...kGeneral, ...kCors, ...Object.keys(documented).map((name) => name.toLowerCase())];
+  const known = [
+    ...kGeneral,
+    ...kCors,
+    ...Object.keys(documented).map((name) => name.toLowerCase()),
+  ];
   for (const name of Object.keys(headers))
     assert.ok(known.includes(name), `an undocumented header field: ${name}: ${headers[name]}`);
   if (admin) return;
@@ -103,8 +136,10 @@ function checkBody(response, at, answer, anyBody) {
   const type = (answer.headers['content-type'] ?? '').split(';')[0];
   assert.ok(response.content?.[type], `a documented type of content: ${JSON.stringify(type)}`);
   if (!type.endsWith('json') || anyBody) return;
-  assert.ok(!kInside.test(answer.text) || type === 'application/json',
-    `nothing of the inside: ${answer.text}`);
+  assert.ok(
+    !kInside.test(answer.text) || type === 'application/json',
+    `nothing of the inside: ${answer.text}`
+  );
   validate(`${at}/content/${escaped(type)}/schema`, answer.json, 'the body');
   if (type === 'application/problem+json') assert.equal(answer.json.status, answer.status);
 }
@@ -123,7 +158,12 @@ export const coverage = {seen, problems};
 // Fails if an answer is not one that the schema describes.
 // admin: it came from the admin port; anyBody: the engine is a fake one and writes what it likes;
 // asset: a file of the viewer, which the schema does not list.
-export function checkAnswer(method, target, answer, {admin = false, anyBody = false, asset = false} = {}) {
+export function checkAnswer(
+  method,
+  target,
+  answer,
+  {admin = false, anyBody = false, asset = false} = {}
+) {
   const path = target.split('?')[0];
   const route = routeOf(path, admin);
   if (asset && answer.status < 400) return;

@@ -10,8 +10,16 @@ import {Answer, Connection, requestBytes} from './http.mjs';
 import {checkAnswer} from './schema.mjs';
 
 const kPatience = 20000;
-const kBase = ['--listen', '127.0.0.1:0', '--admin-listen', '127.0.0.1:0', '--log-format', 'json',
-  '--log-level', 'info'];
+const kBase = [
+  '--listen',
+  '127.0.0.1:0',
+  '--admin-listen',
+  '127.0.0.1:0',
+  '--log-format',
+  'json',
+  '--log-level',
+  'info',
+];
 // What still runs when a server is stopped is canceled, unless a test says otherwise.
 const kDrain = ['--drain-timeout', '0s'];
 
@@ -65,9 +73,14 @@ export class Server {
   }
 
   #spawn() {
-    this.child = spawn(programPath(this.fake), [...kBase, ...this.args],
-      {env: cleanEnvironment(this.env), stdio: ['ignore', 'pipe', 'pipe']});
-    this.child.stdout.setEncoding('utf8').on('data', (text) => { this.#out += text; this.#tell(); });
+    this.child = spawn(programPath(this.fake), [...kBase, ...this.args], {
+      env: cleanEnvironment(this.env),
+      stdio: ['ignore', 'pipe', 'pipe'],
+    });
+    this.child.stdout.setEncoding('utf8').on('data', (text) => {
+      this.#out += text;
+      this.#tell();
+    });
     this.child.stderr.setEncoding('utf8').on('data', (text) => this.#read(text));
     this.ended = new Promise((resolve, reject) => {
       this.child.on('error', reject);
@@ -78,16 +91,20 @@ export class Server {
       };
       this.child.on('close', end);
       // A process that it left behind would keep the pipes open.
-      this.child.on('exit', (code, signal) => setTimeout(() => {
-        this.child.stdout.destroy();
-        this.child.stderr.destroy();
-        end(code, signal);
-      }, 1000));
+      this.child.on('exit', (code, signal) =>
+        setTimeout(() => {
+          this.child.stdout.destroy();
+          this.child.stderr.destroy();
+          end(code, signal);
+        }, 1000)
+      );
     });
     this.ended.catch(() => {});
   }
 
-  #tell() { for (const wake of this.#wake) wake(); }
+  #tell() {
+    for (const wake of this.#wake) wake();
+  }
 
   #read(text) {
     const lines = (this.#partial + text).split('\n');
@@ -104,9 +121,15 @@ export class Server {
       if (found) return found;
       const left = limit - Date.now();
       if (left <= 0 || this.code !== undefined)
-        throw new Error(`no ${what}; the server said:\n${this.#out}${this.#lines.slice(-8).join('\n')}`);
+        throw new Error(
+          `no ${what}; the server said:\n${this.#out}${this.#lines.slice(-8).join('\n')}`
+        );
       await new Promise((resolve) => {
-        const wake = () => { clearTimeout(timer); this.#wake.delete(wake); resolve(); };
+        const wake = () => {
+          clearTimeout(timer);
+          this.#wake.delete(wake);
+          resolve();
+        };
         const timer = setTimeout(wake, left);
         this.#wake.add(wake);
       });
@@ -114,8 +137,12 @@ export class Server {
   }
 
   // The lines of the log, each of which must be JSON.
-  get log() { return this.#lines.filter((line) => line !== '').map((line) => JSON.parse(line)); }
-  logged(look, what) { return this.until(() => this.log.find(look), what); }
+  get log() {
+    return this.#lines.filter((line) => line !== '').map((line) => JSON.parse(line));
+  }
+  logged(look, what) {
+    return this.until(() => this.log.find(look), what);
+  }
 
   async start() {
     this.#spawn();
@@ -141,7 +168,9 @@ export class Server {
     assert.equal(code, 0, `the exit code; the log ends with\n${this.#lines.slice(-5).join('\n')}`);
   }
 
-  connect(admin = false) { return Connection.open(admin ? this.adminAddress : this.address); }
+  connect(admin = false) {
+    return Connection.open(admin ? this.adminAddress : this.address);
+  }
 
   // One request on a connection of its own. options: headers, body, chunked; key; and those of
   // checkAnswer.
@@ -173,8 +202,12 @@ export class Server {
     checkAnswer(method, target, answer, {anyBody, ...options});
   }
 
-  get(target, options) { return this.ask('GET', target, options); }
-  post(target, body, options = {}) { return this.ask('POST', target, {body, ...options}); }
+  get(target, options) {
+    return this.ask('GET', target, options);
+  }
+  post(target, body, options = {}) {
+    return this.ask('POST', target, {body, ...options});
+  }
 
   // Posts a job that must be accepted. The path of the job.
   async submit(body, {query = '', ...options} = {}) {

@@ -8,14 +8,20 @@ import {eventually, useFakeServer, useServer, withFakeServer, withServer} from '
 const status = (answer) => answer.headers['cache-status'];
 
 // How many conversions have run so far.
-const runs = async (server) => valueOf(readMetrics(await server.metrics()),
-  'rivage_job_stage_duration_seconds_count', {stage: 'parse'});
+const runs = async (server) =>
+  valueOf(readMetrics(await server.metrics()), 'rivage_job_stage_duration_seconds_count', {
+    stage: 'parse',
+  });
 
 describe('cache', () => {
   const server = useFakeServer(['--workers', '2', '--queue-limit', '256']);
 
-  for (const [first, second] of [['/v1/regularize', '/v1/regularize'], ['/v1/jobs', '/v1/regularize'],
-    ['/v1/regularize', '/v1/jobs'], ['/v1/jobs', '/v1/jobs']])
+  for (const [first, second] of [
+    ['/v1/regularize', '/v1/regularize'],
+    ['/v1/jobs', '/v1/regularize'],
+    ['/v1/regularize', '/v1/jobs'],
+    ['/v1/jobs', '/v1/jobs'],
+  ])
     test(`${second} knows what ${first} has computed`, async () => {
       const body = fresh();
       const miss = await server.post(first, body);
@@ -39,14 +45,16 @@ describe('cache', () => {
     ['an option that has its default value', '?preset=studio', {}, (body) => body],
     ['a deadline', '?deadline_ms=9000', {}, (body) => body],
     ['another name of the file', '', null, (body) => form([['grid', body, {filename: 'x.vox'}]])],
-    ['an encoding', '', {'Content-Encoding': 'gzip'}, gzip]])
+    ['an encoding', '', {'Content-Encoding': 'gzip'}, gzip],
+  ])
     test(`${what} changes nothing about the content`, async () => {
       const body = fresh();
       await server.post('/v1/regularize', body);
       const other = packed(body);
-      const hit = headers === null
-        ? await server.post('/v1/regularize', other.body, {headers: other.headers})
-        : await server.post(`/v1/regularize${query}`, other, {headers});
+      const hit =
+        headers === null
+          ? await server.post('/v1/regularize', other.body, {headers: other.headers})
+          : await server.post(`/v1/regularize${query}`, other, {headers});
       assert.equal(status(hit), 'rivage; hit');
       assert.equal(hit.text, `asset of ${body}`);
     });
@@ -63,7 +71,9 @@ describe('cache', () => {
       const body = fresh();
       await server.post('/v1/regularize', body);
       const before = await runs(server);
-      const again = await server.post('/v1/regularize', body, {headers: {'Cache-Control': control}});
+      const again = await server.post('/v1/regularize', body, {
+        headers: {'Cache-Control': control},
+      });
       assert.equal(status(again), 'rivage; fwd=request');
       assert.equal(await runs(server), before + 1);
     });
@@ -79,7 +89,9 @@ describe('cache', () => {
   test('100 identical posts at once run one job', async () => {
     await withFakeServer(['--workers', '2', '--queue-limit', '256'], async (fresher) => {
       const body = fresh('hold:300');
-      const answers = await Promise.all(Array.from({length: 100}, () => fresher.post('/v1/regularize', body)));
+      const answers = await Promise.all(
+        Array.from({length: 100}, () => fresher.post('/v1/regularize', body))
+      );
       for (const answer of answers) {
         assert.equal(answer.status, 200, answer.text);
         assert.equal(answer.text, `asset of ${body}`);
@@ -98,7 +110,9 @@ describe('cache', () => {
   test('one of two clients that leaves does not take the conversion with it', async () => {
     const body = fresh('hold:1000');
     const leaver = await server.connect();
-    leaver.send(`POST /v1/regularize HTTP/1.1\r\nHost: x\r\nContent-Length: ${body.length}\r\n\r\n${body}`);
+    leaver.send(
+      `POST /v1/regularize HTTP/1.1\r\nHost: x\r\nContent-Length: ${body.length}\r\n\r\n${body}`
+    );
     await eventually(async () => (await server.jobsIn('running')).length === 1, 'it runs');
     const stays = server.post('/v1/regularize', body);
     await eventually(async () => (await server.jobsIn('running')).length === 2, 'both run');
@@ -122,7 +136,10 @@ describe('cache', () => {
 describe('determinism', () => {
   const server = useServer();
 
-  for (const [name, body, query] of [['a cube', cube, cubeQuery], ['two labels', pair, pairQuery]])
+  for (const [name, body, query] of [
+    ['a cube', cube, cubeQuery],
+    ['two labels', pair, pairQuery],
+  ])
     test(`two servers give the same tag for ${name}`, async () => {
       const first = await server.post(`/v1/regularize${query}`, body);
       await withServer(['--workers', '1', '--threads-per-job', '2'], {}, async (other) => {
@@ -139,7 +156,9 @@ describe('determinism', () => {
     const path = await server.submit(body);
     const job = await server.follow(path);
     const two = await server.get(`${path}/result`);
-    const three = await server.post('/v1/regularize', body, {headers: {'Cache-Control': 'no-cache'}});
+    const three = await server.post('/v1/regularize', body, {
+      headers: {'Cache-Control': 'no-cache'},
+    });
     assert.deepEqual([two.headers.etag, three.headers.etag], [one.headers.etag, one.headers.etag]);
     assert.deepEqual(two.body, one.body);
     assert.equal(job.report.output.bytes, one.body.length);

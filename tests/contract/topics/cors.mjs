@@ -6,7 +6,10 @@ import {useKeys} from '../lib/keys.mjs';
 import {useFakeServer} from '../lib/server.mjs';
 
 const kOrigin = 'https://app.example';
-const kPreflight = {'Access-Control-Request-Method': 'POST', 'Access-Control-Request-Headers': 'content-type, idempotency-key'};
+const kPreflight = {
+  'Access-Control-Request-Method': 'POST',
+  'Access-Control-Request-Headers': 'content-type, idempotency-key',
+};
 const kPaths = ['/v1/regularize', '/v1/jobs', '/v1/limits'];
 
 const allowed = (answer) => answer.headers['access-control-allow-origin'];
@@ -37,31 +40,66 @@ describe('cors on', () => {
       assert.match(answer.headers['access-control-max-age'], /^[1-9]\d*$/);
       assert.match(answer.headers.vary, /\bOrigin\b/i);
       const names = answer.headers['access-control-allow-headers'].toLowerCase().split(/, */);
-      for (const name of ['authorization', 'content-type', 'idempotency-key', 'prefer', 'content-digest', 'x-api-key'])
+      for (const name of [
+        'authorization',
+        'content-type',
+        'idempotency-key',
+        'prefer',
+        'content-digest',
+        'x-api-key',
+      ])
         assert.ok(names.includes(name), name);
       assert.equal(answer.headers['access-control-allow-credentials'], undefined);
     });
 
-  for (const origin of ['https://evil.example', 'http://app.example', 'https://app.example:444', 'https://app.example.evil.example',
-    'https://APP.example.', 'null', '*', 'https://app.example/', ''])
+  for (const origin of [
+    'https://evil.example',
+    'http://app.example',
+    'https://app.example:444',
+    'https://app.example.evil.example',
+    'https://APP.example.',
+    'null',
+    '*',
+    'https://app.example/',
+    '',
+  ])
     test(`nothing is said to the origin ${JSON.stringify(origin)}`, async () => {
-      for (const path of kPaths) assert.equal(allowed(await preflight(server, path, origin)), undefined);
-      assert.equal(allowed(await server.get('/v1/limits', {headers: {Origin: origin}, key: keys.alice})), undefined);
+      for (const path of kPaths)
+        assert.equal(allowed(await preflight(server, path, origin)), undefined);
+      assert.equal(
+        allowed(await server.get('/v1/limits', {headers: {Origin: origin}, key: keys.alice})),
+        undefined
+      );
     });
 
   test('an answer to the origin may be read, with its fields', async () => {
-    const answer = await server.post('/v1/regularize', fresh(), {headers: {Origin: kOrigin}, key: keys.alice});
+    const answer = await server.post('/v1/regularize', fresh(), {
+      headers: {Origin: kOrigin},
+      key: keys.alice,
+    });
     assert.equal(allowed(answer), kOrigin);
     assert.match(answer.headers.vary, /\bOrigin\b/i);
     const names = answer.headers['access-control-expose-headers'].toLowerCase().split(/, */);
-    for (const name of ['location', 'rivage-job', 'retry-after', 'etag', 'repr-digest', 'server-timing', 'x-request-id'])
+    for (const name of [
+      'location',
+      'rivage-job',
+      'retry-after',
+      'etag',
+      'repr-digest',
+      'server-timing',
+      'x-request-id',
+    ])
       assert.ok(names.includes(name), name);
   });
 
   test('problems may be read too: 401, 404, 405, 400', async () => {
     const headers = {Origin: kOrigin};
-    for (const [method, path, key, status] of [['GET', '/v1/jobs', undefined, 401], ['GET', '/nothing', undefined, 404],
-      ['PUT', '/v1/jobs', keys.alice, 405], ['GET', '/v1/jobs?limit=x', keys.alice, 400]]) {
+    for (const [method, path, key, status] of [
+      ['GET', '/v1/jobs', undefined, 401],
+      ['GET', '/nothing', undefined, 404],
+      ['PUT', '/v1/jobs', keys.alice, 405],
+      ['GET', '/v1/jobs?limit=x', keys.alice, 400],
+    ]) {
       const answer = await server.ask(method, path, {headers, key});
       assert.equal(answer.status, status);
       assert.equal(allowed(answer), kOrigin, path);
@@ -75,5 +113,8 @@ describe('cors on', () => {
   });
 
   test('answers to no origin still vary by it', async () =>
-    assert.match((await server.get('/v1/limits', {key: keys.alice})).headers.vary ?? '', /\bOrigin\b/i));
+    assert.match(
+      (await server.get('/v1/limits', {key: keys.alice})).headers.vary ?? '',
+      /\bOrigin\b/i
+    ));
 });

@@ -22,18 +22,33 @@ const unless = (exceptions) => (name) => !exceptions[name] && !kRootOnly(name);
 
 describe('coverage', () => {
   test('every documented status of every operation has been seen', () => {
-    const documented = Object.keys(schema.paths).flatMap((route) => methodsOf(route).flatMap((method) =>
-      Object.keys(schema.paths[route][method.toLowerCase()].responses).filter((status) => status !== 'default')
-        .map((status) => `${method} ${route} ${status}`)));
-    assert.deepEqual(documented.filter((name) => !coverage.seen.has(name)).filter(unless(kUnseen)), []);
+    const documented = Object.keys(schema.paths).flatMap((route) =>
+      methodsOf(route).flatMap((method) =>
+        Object.keys(schema.paths[route][method.toLowerCase()].responses)
+          .filter((status) => status !== 'default')
+          .map((status) => `${method} ${route} ${status}`)
+      )
+    );
+    assert.deepEqual(
+      documented.filter((name) => !coverage.seen.has(name)).filter(unless(kUnseen)),
+      []
+    );
   });
 
   test('every status that any request may get has been seen', () =>
-    assert.deepEqual(generalStatuses.filter((status) => !coverage.seen.has(`any ${status}`)), []));
+    assert.deepEqual(
+      generalStatuses.filter((status) => !coverage.seen.has(`any ${status}`)),
+      []
+    ));
 
   test('every type of problem has been seen', () => {
-    const types = schema.components.schemas.Problem.properties.type.enum.map((type) => type.split('/').pop());
-    assert.deepEqual(types.filter((type) => !coverage.problems.has(type)).filter(unless(kUnseenProblems)), []);
+    const types = schema.components.schemas.Problem.properties.type.enum.map((type) =>
+      type.split('/').pop()
+    );
+    assert.deepEqual(
+      types.filter((type) => !coverage.problems.has(type)).filter(unless(kUnseenProblems)),
+      []
+    );
   });
 
   test('no exception is out of date', () => {

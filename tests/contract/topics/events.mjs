@@ -4,7 +4,13 @@ import {describe, test} from 'node:test';
 import {EventStream} from '../lib/events.mjs';
 import {fresh} from '../lib/grids.mjs';
 import {validate} from '../lib/schema.mjs';
-import {assertProblem, eventually, useFakeServer, useServer, withFakeServer} from '../lib/server.mjs';
+import {
+  assertProblem,
+  eventually,
+  useFakeServer,
+  useServer,
+  withFakeServer,
+} from '../lib/server.mjs';
 
 const schemaOf = {progress: 'EventProgress', preview: 'EventPreview', done: 'Job'};
 
@@ -16,7 +22,11 @@ function checkEvents(events) {
     validate(`#/components/schemas/${schemaOf[event]}`, data, `the event ${event}`);
   }
   const progress = events.filter(({event}) => event === 'progress').map(({data}) => data.progress);
-  assert.deepEqual(progress, [...progress].sort((a, b) => a - b), 'progress never falls');
+  assert.deepEqual(
+    progress,
+    [...progress].sort((a, b) => a - b),
+    'progress never falls'
+  );
 }
 
 async function eventsOf(server, path, options) {
@@ -57,10 +67,16 @@ describe('events', {concurrency: 8}, () => {
     assert.equal(events.at(-1).event, 'done');
     assert.deepEqual(events.at(-1).data, (await server.get(path)).json);
     assert.equal(events.filter(({event}) => event === 'done').length, 1);
-    assert.ok(events.some(({data}) => data.state === 'running'), 'it was seen running');
+    assert.ok(
+      events.some(({data}) => data.state === 'running'),
+      'it was seen running'
+    );
   });
 
-  for (const [grid, state] of [['ok', 'succeeded'], ['empty', 'failed']])
+  for (const [grid, state] of [
+    ['ok', 'succeeded'],
+    ['empty', 'failed'],
+  ])
     test(`the stream of a job that has ${state} is replayed from its start`, async () => {
       const path = await finished(server, grid === 'ok' ? fresh() : grid);
       const events = await eventsOf(server, path);
@@ -80,7 +96,8 @@ describe('events', {concurrency: 8}, () => {
 
   for (const [name, options] of [
     ['Last-Event-ID', (id) => ({headers: {'Last-Event-ID': String(id)}})],
-    ['?after=', (id) => ({query: `?after=${id}`})]])
+    ['?after=', (id) => ({query: `?after=${id}`})],
+  ])
     test(`${name} replays what came after it`, async () => {
       const path = await finished(server, fresh());
       const events = await eventsOf(server, path);
@@ -93,7 +110,10 @@ describe('events', {concurrency: 8}, () => {
     const path = await finished(server, fresh());
     const {id, data} = (await eventsOf(server, path)).at(-1);
     const again = await eventsOf(server, path, {headers: {'Last-Event-ID': String(id)}});
-    assert.deepEqual(again.map(({event}) => event), ['done']);
+    assert.deepEqual(
+      again.map(({event}) => event),
+      ['done']
+    );
     assert.deepEqual(again[0].data, data);
   });
 
@@ -156,7 +176,10 @@ describe('events', {concurrency: 8}, () => {
       const path = await small.submit(fresh('slow'));
       const streams = [await EventStream.open(small, path), await EventStream.open(small, path)];
       for (const stream of streams) await stream.next();
-      assertProblem(await small.get(`${path}/events`), 503, 'queue-full', {setting: '--streams', limit: 2});
+      assertProblem(await small.get(`${path}/events`), 503, 'queue-full', {
+        setting: '--streams',
+        limit: 2,
+      });
       assert.equal((await small.get(path)).status, 200);
       streams[0].close();
       await eventually(async () => {
@@ -178,7 +201,8 @@ describe('events', {concurrency: 8}, () => {
 
 describe('previews', () => {
   const server = useServer(['--workers', '2']);
-  const kSlow = '?progressive=true&solver=gradient-descent&displacement_limit=none&alpha=1e-6' +
+  const kSlow =
+    '?progressive=true&solver=gradient-descent&displacement_limit=none&alpha=1e-6' +
     '&tolerance=1e-14&max_iterations=1000000&compression=none';
 
   // A job whose solver runs for a long time.
@@ -210,7 +234,8 @@ describe('previews', () => {
     const path = await slowJob();
     const stream = await EventStream.open(server, path);
     await stream.next('preview');
-    await eventually(async () => {  // a newer one may come between the two requests
+    await eventually(async () => {
+      // a newer one may come between the two requests
       const {etag} = (await server.ask('HEAD', `${path}/preview`)).headers;
       const answer = await server.get(`${path}/preview`, {headers: {'If-None-Match': etag}});
       return answer.status === 304;
@@ -227,8 +252,10 @@ describe('previews', () => {
 
   test('previews do not change the result', async () => {
     const {body} = await server.get('/v1/samples/voxel');
-    const [with_, without] = [await server.post('/v1/regularize?progressive=true&compression=none', body),
-      await server.post('/v1/regularize?compression=none', body)];
+    const [with_, without] = [
+      await server.post('/v1/regularize?progressive=true&compression=none', body),
+      await server.post('/v1/regularize?compression=none', body),
+    ];
     assert.equal(with_.status, 200);
     // The options that are echoed inside differ, the geometry does not.
     assert.equal(Math.abs(with_.body.length - without.body.length) < 64, true);

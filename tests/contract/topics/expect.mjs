@@ -3,15 +3,24 @@ import assert from 'node:assert/strict';
 import {describe, test} from 'node:test';
 import {fresh} from '../lib/grids.mjs';
 import {useKeys} from '../lib/keys.mjs';
-import {Answer, assertProblem, requestBytes, useFakeServer, withFakeServer} from '../lib/server.mjs';
+import {
+  Answer,
+  assertProblem,
+  requestBytes,
+  useFakeServer,
+  withFakeServer,
+} from '../lib/server.mjs';
 
 const kPosts = ['/v1/regularize', '/v1/jobs', '/v1/inspect'];
 
 // Sends a head that announces a body and waits for the first answer.
 async function expect(server, target, headers = {}) {
   const connection = await server.connect();
-  connection.send(requestBytes('POST', target,
-    {headers: {'Expect': '100-continue', 'Content-Length': '2', ...headers}}));
+  connection.send(
+    requestBytes('POST', target, {
+      headers: {Expect: '100-continue', 'Content-Length': '2', ...headers},
+    })
+  );
   const head = await connection.anyHead();
   if (head.status === 100) return {connection, status: 100};
   const pieces = [];
@@ -40,16 +49,28 @@ describe('expect', () => {
     test(`${route}: 413 for a length above the limit`, async () =>
       assertProblem(await expect(server, route, {'Content-Length': '1001'}), 413, 'too-large'));
     test(`${route}: 415 for an encoding that nobody knows`, async () =>
-      assertProblem(await expect(server, route, {'Content-Encoding': 'br'}), 415, 'unsupported-encoding'));
+      assertProblem(
+        await expect(server, route, {'Content-Encoding': 'br'}),
+        415,
+        'unsupported-encoding'
+      ));
     test(`${route}: 400 for an option that does not exist`, async () =>
       assertProblem(await expect(server, `${route}?colour=red`), 400, 'unknown-option'));
     test(`${route}: 400 for a digest without sense`, async () =>
-      assertProblem(await expect(server, route, {'Content-Digest': 'sha-256=x'}), 400, 'malformed-request'));
+      assertProblem(
+        await expect(server, route, {'Content-Digest': 'sha-256=x'}),
+        400,
+        'malformed-request'
+      ));
   }
 
   for (const route of ['/v1/regularize', '/v1/jobs'])
     test(`${route}: 400 for a malformed key`, async () =>
-      assertProblem(await expect(server, route, {'Idempotency-Key': 'a b'}), 400, 'malformed-request'));
+      assertProblem(
+        await expect(server, route, {'Idempotency-Key': 'a b'}),
+        400,
+        'malformed-request'
+      ));
 
   test('404 and 405 come before the body too', async () => {
     assertProblem(await expect(server, '/v1/nothing'), 404, 'not-found');
@@ -64,7 +85,11 @@ describe('expect', () => {
   });
 
   test('another expectation cannot be met', async () =>
-    assertProblem(await expect(server, '/v1/regularize', {Expect: 'the-unexpected'}), 417, 'expectation-failed'));
+    assertProblem(
+      await expect(server, '/v1/regularize', {Expect: 'the-unexpected'}),
+      417,
+      'expectation-failed'
+    ));
 
   test('no 100 for a request without a body that waits', async () => {
     const answer = await server.post('/v1/regularize', 'ok', {headers: {}});

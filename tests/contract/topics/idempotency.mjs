@@ -10,7 +10,10 @@ const kField = '/headers/idempotency-key';
 describe('idempotency', () => {
   const server = useFakeServer(['--workers', '4', '--queue-limit', '256']);
 
-  for (const [state, grid] of [['queued or running', () => fresh('slow')], ['ended', () => fresh()]])
+  for (const [state, grid] of [
+    ['queued or running', () => fresh('slow')],
+    ['ended', () => fresh()],
+  ])
     test(`the same post again is the same job: ${state}`, async () => {
       const [body, key] = [grid(), fresh('key')];
       const first = await server.post('/v1/jobs', body, withKey(key));
@@ -56,14 +59,22 @@ describe('idempotency', () => {
   test('a form and a raw body with the same content are the same request', async () => {
     const [body, key] = [fresh(), fresh('key')];
     const first = await server.post('/v1/jobs?alpha=0.5', body, withKey(key));
-    const {headers, body: bytes} = form([['grid', body], ['options', '{"alpha": 0.5}']]);
-    const second = await server.post('/v1/jobs', bytes, {headers: {...headers, 'Idempotency-Key': key}});
+    const {headers, body: bytes} = form([
+      ['grid', body],
+      ['options', '{"alpha": 0.5}'],
+    ]);
+    const second = await server.post('/v1/jobs', bytes, {
+      headers: {...headers, 'Idempotency-Key': key},
+    });
     assert.equal(second.status, 202, second.text);
     assert.equal(second.headers.location, first.headers.location);
   });
 
   for (const route of ['/v1/jobs', '/v1/regularize'])
-    for (const [what, other] of [['content', (body) => [`${body}x`, '']], ['options', (body) => [body, '?alpha=0.25']]])
+    for (const [what, other] of [
+      ['content', (body) => [`${body}x`, '']],
+      ['options', (body) => [body, '?alpha=0.25']],
+    ])
       test(`the same key with other ${what} at ${route} is refused`, async () => {
         const [body, key] = [fresh(), fresh('key')];
         await server.submit(body, withKey(key));
@@ -82,8 +93,15 @@ describe('idempotency', () => {
       // Until the head of the first has been read, the second may be the first.
       await eventually(async () => {
         const probe = await server.connect();
-        probe.send(requestBytes('POST', route, {headers: {'Idempotency-Key': key,
-          'Expect': '100-continue', 'Content-Length': body.length}}));
+        probe.send(
+          requestBytes('POST', route, {
+            headers: {
+              'Idempotency-Key': key,
+              Expect: '100-continue',
+              'Content-Length': body.length,
+            },
+          })
+        );
         const {status} = await probe.anyHead();
         probe.close();
         return status === 409;
@@ -118,15 +136,34 @@ describe('idempotency', () => {
     assert.equal((await server.post('/v1/jobs', body, withKey(key))).status, 202);
   });
 
-  for (const key of ['', ' ', 'a b', '"', '"open', '"a"b"', 'x'.repeat(256), 'k\xe4se', '"tab\there"', 'a"b', '""'])
+  for (const key of [
+    '',
+    ' ',
+    'a b',
+    '"',
+    '"open',
+    '"a"b"',
+    'x'.repeat(256),
+    'k\xe4se',
+    '"tab\there"',
+    'a"b',
+    '""',
+  ])
     test(`the key ${JSON.stringify(key.slice(0, 20))} is malformed`, async () => {
       for (const route of ['/v1/jobs', '/v1/regularize'])
-        assertProblem(await server.post(route, fresh(), withKey(key)), 400, 'malformed-request', {field: kField});
+        assertProblem(await server.post(route, fresh(), withKey(key)), 400, 'malformed-request', {
+          field: kField,
+        });
     });
 
   test('two keys in one request are malformed', async () => {
-    const headers = [['Idempotency-Key', 'a'], ['Idempotency-Key', 'b']];
-    assertProblem(await server.post('/v1/jobs', fresh(), {headers}), 400, 'malformed-request', {field: kField});
+    const headers = [
+      ['Idempotency-Key', 'a'],
+      ['Idempotency-Key', 'b'],
+    ];
+    assertProblem(await server.post('/v1/jobs', fresh(), {headers}), 400, 'malformed-request', {
+      field: kField,
+    });
   });
 
   test('the quoted and the bare form are the same key; 255 characters are allowed', async () => {
@@ -152,11 +189,15 @@ describe('idempotency', () => {
 
   test('100 posts with one key at once are one job', async () => {
     const [body, key] = [fresh('hold:200'), fresh('key')];
-    const answers = await Promise.all(Array.from({length: 100}, () => eventually(async () => {
-      const answer = await server.post('/v1/jobs', body, withKey(key));
-      if (answer.status !== 409) return answer;
-      return assertProblem(answer, 409, 'idempotency-in-progress');
-    }, 'it is accepted')));
+    const answers = await Promise.all(
+      Array.from({length: 100}, () =>
+        eventually(async () => {
+          const answer = await server.post('/v1/jobs', body, withKey(key));
+          if (answer.status !== 409) return answer;
+          return assertProblem(answer, 409, 'idempotency-in-progress');
+        }, 'it is accepted')
+      )
+    );
     for (const answer of answers) assert.equal(answer.status, 202, answer.text);
     assert.equal(new Set(answers.map((answer) => answer.json.id)).size, 1);
     assert.equal(answers.filter((answer) => !answer.headers['idempotent-replayed']).length, 1);

@@ -4,7 +4,16 @@ import {execFileSync} from 'node:child_process';
 import {mkdirSync} from 'node:fs';
 import {describe, test} from 'node:test';
 import {fresh} from '../lib/grids.mjs';
-import {assertProblem, eventually, refusedStart, requestBytes, Server, useFolder, withFakeServer, withServer} from '../lib/server.mjs';
+import {
+  assertProblem,
+  eventually,
+  refusedStart,
+  requestBytes,
+  Server,
+  useFolder,
+  withFakeServer,
+  withServer,
+} from '../lib/server.mjs';
 
 const draining = (server) => server.logged((line) => line.event === 'draining', 'the drain');
 
@@ -12,7 +21,10 @@ describe('stop', () => {
   test('what was accepted is answered; new work and readiness are refused; the end is 0', async () => {
     await withFakeServer(['--drain-timeout', '20s', '--workers', '1'], async (server) => {
       const grid = fresh('hold:700');
-      const answers = [server.post('/v1/regularize', grid), server.post('/v1/regularize', fresh('hold:300'))];
+      const answers = [
+        server.post('/v1/regularize', grid),
+        server.post('/v1/regularize', fresh('hold:300')),
+      ];
       await eventually(async () => (await server.jobsIn('running')).length === 1, 'it runs');
       await eventually(async () => (await server.jobsIn('queued')).length === 1, 'the other waits');
       assert.equal((await server.get('/readyz', {admin: true})).status, 200);
@@ -35,7 +47,9 @@ describe('stop', () => {
       await eventually(async () => (await server.jobsIn('running')).length === 1, 'it runs');
       server.terminate();
       await draining(server);
-      const bytes = requestBytes('POST', '/v1/jobs', {headers: {'Expect': '100-continue', 'Content-Length': '2'}});
+      const bytes = requestBytes('POST', '/v1/jobs', {
+        headers: {Expect: '100-continue', 'Content-Length': '2'},
+      });
       assertProblem(await server.raw(bytes, {method: 'POST', target: '/v1/jobs'}), 503, 'draining');
       assert.equal((await answer).status, 200);
     });
@@ -45,7 +59,10 @@ describe('stop', () => {
     test(`${route}: what does not end in time is given up, and says why`, async () => {
       await withFakeServer(['--drain-timeout', '0s'], async (server) => {
         const answer = server.post(route, fresh('slow'));
-        await eventually(async () => /^rivage_workers_busy 1$/m.test(await server.metrics()), 'it runs');
+        await eventually(
+          async () => /^rivage_workers_busy 1$/m.test(await server.metrics()),
+          'it runs'
+        );
         server.terminate();
         assertProblem(await answer, 503, 'draining');
       });
@@ -74,8 +91,16 @@ describe('stop', () => {
 });
 
 describe('start', () => {
-  for (const args of [['--colour', 'red'], ['--workers', '0'], ['--listen', 'nowhere'], ['--deadline', '-1s'],
-    ['--max-upload', 'much'], ['--log-format', 'xml'], ['--tls-cert', '/nowhere'], ['--state-dir', '/dev/null/x']])
+  for (const args of [
+    ['--colour', 'red'],
+    ['--workers', '0'],
+    ['--listen', 'nowhere'],
+    ['--deadline', '-1s'],
+    ['--max-upload', 'much'],
+    ['--log-format', 'xml'],
+    ['--tls-cert', '/nowhere'],
+    ['--state-dir', '/dev/null/x'],
+  ])
     test(`${args.join(' ')} is refused`, async () => {
       assert.ok([1, 2].includes(await refusedStart(args)));
     });
@@ -86,7 +111,8 @@ describe('start', () => {
 
   test('a variable sets what no flag does', async () => {
     await withServer([], {env: {RIVAGE_MAX_UPLOAD: '12345'}}, async (server) =>
-      assert.equal((await server.get('/v1/limits')).json.upload_bytes, 12345));
+      assert.equal((await server.get('/v1/limits')).json.upload_bytes, 12345)
+    );
   });
 });
 
@@ -102,7 +128,12 @@ describe('state', () => {
       const path = await server.submit(body, {headers});
       const failed = await server.submit('empty');
       await server.follow(failed);
-      return {path, failed, job: await server.follow(path), result: await server.get(`${path}/result`)};
+      return {
+        path,
+        failed,
+        job: await server.follow(path),
+        result: await server.get(`${path}/result`),
+      };
     });
     await withFakeServer(args, async (server) => {
       assert.deepEqual((await server.get(before.path)).json, before.job);
@@ -113,7 +144,10 @@ describe('state', () => {
       const again = await server.post('/v1/jobs', body, {headers});
       assert.equal(again.headers.location, before.path);
       assert.equal(again.headers['idempotent-replayed'], 'true');
-      assert.equal((await server.post('/v1/regularize', body)).headers['cache-status'], 'rivage; hit');
+      assert.equal(
+        (await server.post('/v1/regularize', body)).headers['cache-status'],
+        'rivage; hit'
+      );
     });
   });
 
@@ -156,7 +190,10 @@ describe('state', () => {
     await withFakeServer(['--workers', '1'], async (server) => {
       await server.post('/v1/jobs', 'crash').catch(() => undefined);
       const since = Date.now();
-      const answer = await eventually(() => server.get('/version').catch(() => undefined), 'it answers');
+      const answer = await eventually(
+        () => server.get('/version').catch(() => undefined),
+        'it answers'
+      );
       assert.equal(answer.status, 200);
       assert.ok(Date.now() - since < 10000);
     });
@@ -200,12 +237,19 @@ describe('a full disk', {skip: process.getuid() !== 0 && 'only root can mount'},
           answer = await server.post('/v1/jobs', body);
         }
         assertProblem(answer, 507, 'storage-full');
-        assertProblem(await server.post('/v1/regularize', body, {headers: {Prefer: 'respond-async'}}), 507, 'storage-full');
+        assertProblem(
+          await server.post('/v1/regularize', body, {headers: {Prefer: 'respond-async'}}),
+          507,
+          'storage-full'
+        );
         assert.equal((await server.get(`${kept}/result`)).status, 200);
         assert.equal((await server.get('/v1/jobs')).status, 200);
       });
       await withFakeServer(['--workers', '1', '--state-dir', `${disk}`], async (server) => {
-        for (const path of [...await server.jobsIn('queued'), ...await server.jobsIn('running')])
+        for (const path of [
+          ...(await server.jobsIn('queued')),
+          ...(await server.jobsIn('running')),
+        ])
           await server.ask('DELETE', path);
         // The job runs, but its result of 6 MiB has no room.
         const job = await server.follow(await server.submit(`big:${6 << 20}`));

@@ -18,8 +18,12 @@ describe('methods', () => {
     test(`${route} takes ${[...allowed].join(' ')} and refuses the others`, async () => {
       for (const method of kMethods) {
         if (admin && method === 'OPTIONS') continue;
-        const answer = await server.ask(method, concrete(route), {admin, body: method === 'POST' ? 'ok' : undefined});
-        if (!allowed.has(method)) assert.ok([400, 404, 405].includes(answer.status), `${method}: ${answer.status}`);
+        const answer = await server.ask(method, concrete(route), {
+          admin,
+          body: method === 'POST' ? 'ok' : undefined,
+        });
+        if (!allowed.has(method))
+          assert.ok([400, 404, 405].includes(answer.status), `${method}: ${answer.status}`);
         else if (method === 'OPTIONS') assert.equal(answer.status, 204);
         else assert.notEqual(answer.status, 405, method);
         if (!allowed.has(method) && !admin) assert.equal(answer.status, 405, method);
@@ -39,8 +43,20 @@ describe('methods', () => {
     });
   }
 
-  for (const path of ['/nothing', '/v1', '/v1/', '/v2/jobs', '/v1/jobs/', '/v1/jobs/a/b/c', '/metrics',
-    '/livez', '/v1/regularize/x', '/V1/JOBS', '/v1/jobs.json', '/problems/not-found'])
+  for (const path of [
+    '/nothing',
+    '/v1',
+    '/v1/',
+    '/v2/jobs',
+    '/v1/jobs/',
+    '/v1/jobs/a/b/c',
+    '/metrics',
+    '/livez',
+    '/v1/regularize/x',
+    '/V1/JOBS',
+    '/v1/jobs.json',
+    '/problems/not-found',
+  ])
     test(`${path} is not there, whatever the method`, async () => {
       for (const method of kMethods) {
         const answer = await server.ask(method, path);
@@ -50,7 +66,10 @@ describe('methods', () => {
     });
 
   test('a method that nobody knows is refused', async () => {
-    const answer = await server.raw('BREW / HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n', {method: 'BREW', target: '/'});
+    const answer = await server.raw('BREW / HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n', {
+      method: 'BREW',
+      target: '/',
+    });
     assert.ok([400, 405].includes(answer.status));
   });
 

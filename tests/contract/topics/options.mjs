@@ -24,7 +24,12 @@ const kRefused = [
   ['alpha=1%20', 'invalid-option', '/options/alpha', /alpha/],
   ['max_iterations=0', 'invalid-option', '/options/max_iterations', /max_iterations/],
   ['max_iterations=1.5', 'invalid-option', '/options/max_iterations', /max_iterations/],
-  ['max_iterations=99999999999999999999', 'invalid-option', '/options/max_iterations', /max_iterations/],
+  [
+    'max_iterations=99999999999999999999',
+    'invalid-option',
+    '/options/max_iterations',
+    /max_iterations/,
+  ],
   ['untangle=maybe', 'invalid-option', '/options/untangle', /untangle/],
   ['solver=magic', 'invalid-option', '/options/solver', /solver/],
   ['output=stl', 'invalid-option', '/options/output', /output/],
@@ -32,7 +37,12 @@ const kRefused = [
   ['output=obj&compression=draco', 'invalid-option', '/options/compression', /output=glb/],
   ['compression=none&draco_speed=1', 'invalid-option', '/options/draco_speed', /draco/],
   ['normals=trivial&radius=3', 'invalid-option', '/options/radius', /radius/],
-  ['normals=auto&smoothing_alpha=1', 'invalid-option', '/options/smoothing_alpha', /piecewise-smooth/],
+  [
+    'normals=auto&smoothing_alpha=1',
+    'invalid-option',
+    '/options/smoothing_alpha',
+    /piecewise-smooth/,
+  ],
   ['dims=2x2x2', 'invalid-option', '/options/dims', /format=raw/],
   ['format=raw', 'invalid-option', '/options/dims', /dims/],
   ['format=raw&dims=2x2', 'invalid-option', '/options/dims', /dims/],
@@ -61,24 +71,41 @@ describe('options', () => {
 
   const deep = (count) => `${'['.repeat(count)}${']'.repeat(count)}`;
   const kForms = {
-    'no JSON': 'alpha=1', 'an array': '[]', 'a text': '"x"', 'null': 'null', 'nothing behind a brace': '{',
-    'a comma too many': '{"alpha": 1,}', 'something behind it': '{} {}', 'a member twice': '{"alpha": 1, "alpha": 1}',
-    'a NaN': '{"alpha": NaN}', 'a number that is too large': '{"alpha": 1e999}', 'a NUL': '{"al\u0000pha": 1}',
+    'no JSON': 'alpha=1',
+    'an array': '[]',
+    'a text': '"x"',
+    null: 'null',
+    'nothing behind a brace': '{',
+    'a comma too many': '{"alpha": 1,}',
+    'something behind it': '{} {}',
+    'a member twice': '{"alpha": 1, "alpha": 1}',
+    'a NaN': '{"alpha": NaN}',
+    'a number that is too large': '{"alpha": 1e999}',
+    'a NUL': '{"al\u0000pha": 1}',
     'a broken UTF-8': Buffer.from([0x7b, 0x22, 0xff, 0xfe, 0x22, 0x3a, 0x31, 0x7d]),
-    'the wrong type': '{"alpha": "much"}', 'an object for a number': '{"alpha": {}}', 'a number for a flag': '{"untangle": 1}',
-    'a depth of 33': `{"labels": ${deep(33)}}`, 'a depth of 30,000': `{"labels": ${deep(30000)}}`,
+    'the wrong type': '{"alpha": "much"}',
+    'an object for a number': '{"alpha": {}}',
+    'a number for a flag': '{"untangle": 1}',
+    'a depth of 33': `{"labels": ${deep(33)}}`,
+    'a depth of 30,000': `{"labels": ${deep(30000)}}`,
     '6000 members': `{${Array.from({length: 6000}, (_, i) => `"o${i}": 1`).join(',')}}`,
   };
   for (const [what, options] of Object.entries(kForms))
     test(`options with ${what} are refused`, async () => {
-      const {body, headers} = form([['grid', fresh()], ['options', options]]);
+      const {body, headers} = form([
+        ['grid', fresh()],
+        ['options', options],
+      ]);
       const answer = await server.post('/v1/regularize', body, {headers});
       assert.equal(answer.status, 400, answer.text);
       assert.ok(answer.json.field.startsWith('/options'), answer.json.field);
     });
 
   test('options 200,000 deep are refused, and the server lives', async () => {
-    const {body, headers} = form([['grid', fresh()], ['options', deep(200000)]]);
+    const {body, headers} = form([
+      ['grid', fresh()],
+      ['options', deep(200000)],
+    ]);
     const answer = await server.post('/v1/regularize', body, {headers});
     assert.ok([400, 413].includes(answer.status), answer.text);
     assert.equal((await server.get('/livez', {admin: true})).status, 200);
@@ -87,8 +114,14 @@ describe('options', () => {
   test('a query of 6 kB is read, one of 100 kB is too long', async () => {
     const long = (length) => `/v1/jobs?labels=${'x'.repeat(length)}`;
     assertProblem(await server.post(long(6000), 'ok'), 400, 'invalid-option');
-    assertProblem(await server.raw(`POST ${long(100000)} HTTP/1.1\r\nHost: x\r\nContent-Length: 2\r\n\r\n`,
-      {method: 'POST', target: '/v1/jobs'}), 414, 'uri-too-long');
+    assertProblem(
+      await server.raw(`POST ${long(100000)} HTTP/1.1\r\nHost: x\r\nContent-Length: 2\r\n\r\n`, {
+        method: 'POST',
+        target: '/v1/jobs',
+      }),
+      414,
+      'uri-too-long'
+    );
   });
 
   test('the job echoes the options in force, in the form that is read', async () => {
@@ -97,14 +130,19 @@ describe('options', () => {
     assert.equal(options.alpha, 0.5);
     assert.equal(options.preset, 'paper');
     assert.equal(options.fairness, 'umbrella');
-    const {body, headers} = form([['grid', fresh()], ['options', JSON.stringify(options)]]);
+    const {body, headers} = form([
+      ['grid', fresh()],
+      ['options', JSON.stringify(options)],
+    ]);
     const again = await server.follow(await server.submit(body, {headers}));
     assert.deepEqual(again.options, options);
   });
 
   test('every option takes its default value', async () => {
-    for (const {name, default: value, only_with: only} of (await server.get('/v1/options')).json.options) {
-      if (value === null || only || ['dims', 'labels', 'weights', 'spacing', 'type'].includes(name)) continue;
+    for (const {name, default: value, only_with: only} of (await server.get('/v1/options')).json
+      .options) {
+      if (value === null || only || ['dims', 'labels', 'weights', 'spacing', 'type'].includes(name))
+        continue;
       const answer = await server.post(`/v1/regularize?${name}=${value}`, 'ok');
       assert.equal(answer.status, 200, `${name}=${value}: ${answer.text}`);
     }
@@ -117,9 +155,24 @@ describe('options of the real engine', () => {
 
   for (const route of ['/v1/regularize', '/v1/inspect']) {
     test(`${route}: limits of the grid have their problem`, async () => {
-      assertProblem(await post('format=raw&dims=4x1x1', Buffer.from([1, 2, 3, 4]), route), 422, 'too-many-labels', {limit: 2, setting: '--max-labels'});
-      assertProblem(await post('format=raw&dims=11x10x10', Buffer.alloc(1100, 1), route), 413, 'too-large', {limit: 1000, setting: '--max-voxels'});
-      assertProblem(await post('format=raw&dims=65x1x1', Buffer.alloc(65, 1), route), 413, 'too-large', {limit: 64, setting: '--max-extent'});
+      assertProblem(
+        await post('format=raw&dims=4x1x1', Buffer.from([1, 2, 3, 4]), route),
+        422,
+        'too-many-labels',
+        {limit: 2, setting: '--max-labels'}
+      );
+      assertProblem(
+        await post('format=raw&dims=11x10x10', Buffer.alloc(1100, 1), route),
+        413,
+        'too-large',
+        {limit: 1000, setting: '--max-voxels'}
+      );
+      assertProblem(
+        await post('format=raw&dims=65x1x1', Buffer.alloc(65, 1), route),
+        413,
+        'too-large',
+        {limit: 64, setting: '--max-extent'}
+      );
       assertProblem(await post(kRaw, Buffer.alloc(8), route), 422, 'empty-grid');
     });
     test(`${route}: a tiny file that claims 2048^3 voxels is refused`, async () => {
@@ -129,7 +182,11 @@ describe('options of the real engine', () => {
     test(`${route}: bytes that are no grid`, async () => {
       assertProblem(await post(kRaw, Buffer.alloc(7, 1), route), 400, 'malformed-input');
       assertProblem(await post(kRaw, Buffer.alloc(9, 1), route), 400, 'malformed-input');
-      assertProblem(await post('format=vox', Buffer.from('VOX \x96\0\0\0MAIN', 'latin1'), route), 400, 'malformed-input');
+      assertProblem(
+        await post('format=vox', Buffer.from('VOX \x96\0\0\0MAIN', 'latin1'), route),
+        400,
+        'malformed-input'
+      );
       assertProblem(await post('format=npy', 'nonsense', route), 400, 'malformed-input');
       assertProblem(await post('', 'what is this?', route), 415, 'unsupported-format');
     });

@@ -53,7 +53,10 @@ describe('prefer', () => {
     });
 
   test('two Prefer fields count as one', async () => {
-    const headers = [['Prefer', 'return=minimal'], ['Prefer', 'respond-async']];
+    const headers = [
+      ['Prefer', 'return=minimal'],
+      ['Prefer', 'respond-async'],
+    ];
     const answer = await server.post('/v1/regularize', fresh('slow'), {headers});
     assert.equal(answer.status, 202);
     await server.ask('DELETE', answer.headers.location);
@@ -68,9 +71,14 @@ describe('prefer', () => {
 
   test('the job of a 202 can be followed to the same result', async () => {
     const grid = fresh('hold:50');
-    const accepted = await server.post('/v1/regularize', grid, {headers: {Prefer: 'respond-async'}});
+    const accepted = await server.post('/v1/regularize', grid, {
+      headers: {Prefer: 'respond-async'},
+    });
     assert.equal((await server.follow(accepted.headers.location)).state, 'succeeded');
-    assert.equal((await server.get(`${accepted.headers.location}/result`)).text, `asset of ${grid}`);
+    assert.equal(
+      (await server.get(`${accepted.headers.location}/result`)).text,
+      `asset of ${grid}`
+    );
   });
 
   test('a long poll ends with the job, not with its time', async () => {
@@ -119,10 +127,15 @@ describe('prefer', () => {
 
   test('a client that leaves cancels its conversion', async () => {
     const connection = await server.connect();
-    connection.send('POST /v1/regularize HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\nslow-left');
+    connection.send(
+      'POST /v1/regularize HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\nslow-left'
+    );
     const path = await eventually(async () => (await server.jobsIn('running'))[0], 'it runs');
     connection.close();
     assert.equal((await server.inState(path, 'canceled')).error.type, '/problems/canceled');
-    await server.logged((line) => line.event === 'request' && line.status === 499, 'a line with 499');
+    await server.logged(
+      (line) => line.event === 'request' && line.status === 499,
+      'a line with 499'
+    );
   });
 });

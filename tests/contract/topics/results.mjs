@@ -7,16 +7,21 @@ import {assertProblem, useFakeServer, useServer} from '../lib/server.mjs';
 
 // The parts of a multipart/byteranges body: lists of [first, last, bytes].
 function readParts(answer) {
-  const boundary = /^multipart\/byteranges; ?boundary="?([^"]+)"?$/.exec(answer.headers['content-type']);
+  const boundary = /^multipart\/byteranges; ?boundary="?([^"]+)"?$/.exec(
+    answer.headers['content-type']
+  );
   assert.ok(boundary, answer.headers['content-type']);
   const text = answer.body.toString('latin1');
   assert.ok(text.trimEnd().endsWith(`--${boundary[1]}--`), 'the end of the parts');
-  return text.split(`--${boundary[1]}`).slice(1, -1).map((part) => {
-    const [head, ...rest] = part.split('\r\n\r\n');
-    const match = /content-range: bytes (\d+)-(\d+)\/(\d+)/i.exec(head);
-    assert.ok(match, head);
-    return [Number(match[1]), Number(match[2]), rest.join('\r\n\r\n').slice(0, -2)];
-  });
+  return text
+    .split(`--${boundary[1]}`)
+    .slice(1, -1)
+    .map((part) => {
+      const [head, ...rest] = part.split('\r\n\r\n');
+      const match = /content-range: bytes (\d+)-(\d+)\/(\d+)/i.exec(head);
+      assert.ok(match, head);
+      return [Number(match[1]), Number(match[2]), rest.join('\r\n\r\n').slice(0, -2)];
+    });
 }
 
 describe('results', () => {
@@ -48,11 +53,17 @@ describe('results', () => {
     const head = await ask({}, 'HEAD');
     assert.equal(head.status, 200);
     assert.equal(head.headers['content-length'], '1000');
-    for (const name of ['etag', 'repr-digest', 'content-type']) assert.equal(head.headers[name], whole.headers[name]);
+    for (const name of ['etag', 'repr-digest', 'content-type'])
+      assert.equal(head.headers[name], whole.headers[name]);
   });
 
-  const matching = {'the tag': (tag) => tag, 'a list': (tag) => `"x", ${tag}`, 'a weak tag': (tag) => `W/${tag}`,
-    'anything': () => '*', 'a list without spaces': (tag) => `"a","b",${tag}`};
+  const matching = {
+    'the tag': (tag) => tag,
+    'a list': (tag) => `"x", ${tag}`,
+    'a weak tag': (tag) => `W/${tag}`,
+    anything: () => '*',
+    'a list without spaces': (tag) => `"a","b",${tag}`,
+  };
   for (const [what, make] of Object.entries(matching))
     test(`If-None-Match with ${what}: 304`, async () => {
       for (const method of ['GET', 'HEAD']) {
@@ -60,15 +71,22 @@ describe('results', () => {
         assert.equal(answer.status, 304);
         assert.equal(answer.headers.etag, etag);
       }
-      assert.equal((await ask({'If-None-Match': make(etag), 'Range': 'bytes=0-1'})).status, 304);
+      assert.equal((await ask({'If-None-Match': make(etag), Range: 'bytes=0-1'})).status, 304);
     });
 
   for (const tag of ['"x"', 'x', '""', ',', '"*"'])
     test(`If-None-Match: ${tag} does not match`, async () =>
       assert.equal((await ask({'If-None-Match': tag})).status, 200));
 
-  const ranges = {'bytes=0-0': [0, 0], 'bytes=10-19': [10, 19], 'bytes=990-': [990, 999], 'bytes=-5': [995, 999],
-    'bytes=-5000': [0, 999], 'bytes=500-5000': [500, 999], 'bytes=0-999': [0, 999]};
+  const ranges = {
+    'bytes=0-0': [0, 0],
+    'bytes=10-19': [10, 19],
+    'bytes=990-': [990, 999],
+    'bytes=-5': [995, 999],
+    'bytes=-5000': [0, 999],
+    'bytes=500-5000': [500, 999],
+    'bytes=0-999': [0, 999],
+  };
   for (const [range, [first, last]] of Object.entries(ranges))
     test(`Range: ${range} gives ${first} to ${last}`, async () => {
       const answer = await ask({Range: range});
@@ -77,25 +95,36 @@ describe('results', () => {
       assert.deepEqual(answer.body, whole.body.subarray(first, last + 1));
       assert.equal(answer.headers['repr-digest'], whole.headers['repr-digest']);
       assert.equal(answer.headers.etag, etag);
-      if (answer.headers['content-digest']) assert.equal(answer.headers['content-digest'], sha256(answer.body));
+      if (answer.headers['content-digest'])
+        assert.equal(answer.headers['content-digest'], sha256(answer.body));
     });
 
   for (const range of ['bytes=1000-', 'bytes=5000-6000', 'bytes=-0'])
     test(`Range: ${range} lies outside: 416`, async () => {
       const answer = await ask({Range: range});
       assertProblem(answer, 416, 'range-not-satisfiable');
-      if (answer.headers['content-range']) assert.equal(answer.headers['content-range'], 'bytes */1000');
+      if (answer.headers['content-range'])
+        assert.equal(answer.headers['content-range'], 'bytes */1000');
     });
 
-  for (const range of ['lines=0-1', 'bytes', 'bytes=', 'bytes=a-b', 'bytes=5-1', 'bytes=--5', 'bytes=0-1,x',
-    'bytes=99999999999999999999999-'])
+  for (const range of [
+    'lines=0-1',
+    'bytes',
+    'bytes=',
+    'bytes=a-b',
+    'bytes=5-1',
+    'bytes=--5',
+    'bytes=0-1,x',
+    'bytes=99999999999999999999999-',
+  ])
     test(`Range: ${range} makes no sense: refused, or as if it were not there`, async () => {
       const answer = await ask({Range: range});
       assert.ok([200, 400, 416].includes(answer.status), String(answer.status));
       if (answer.status === 200) assert.deepEqual(answer.body, whole.body);
     });
 
-  const many = (count) => `bytes=${Array.from({length: count}, (_, i) => `${i * 3}-${i * 3}`).join(',')}`;
+  const many = (count) =>
+    `bytes=${Array.from({length: count}, (_, i) => `${i * 3}-${i * 3}`).join(',')}`;
   for (const count of [2, 16])
     test(`${count} ranges are ${count} parts`, async () => {
       const answer = await ask({Range: many(count)});
@@ -122,10 +151,15 @@ describe('results', () => {
     assert.ok(answer.body.length < 20000);
   });
 
-  for (const [tag, status] of [['the tag', 206], ['"x"', 200], ['W/', 200], ['Mon, 01 Jan 2024 00:00:00 GMT', 200]])
+  for (const [tag, status] of [
+    ['the tag', 206],
+    ['"x"', 200],
+    ['W/', 200],
+    ['Mon, 01 Jan 2024 00:00:00 GMT', 200],
+  ])
     test(`If-Range with ${tag}: ${status}`, async () => {
       const value = tag === 'the tag' ? etag : tag === 'W/' ? `W/${etag}` : tag;
-      const answer = await ask({'Range': 'bytes=0-9', 'If-Range': value});
+      const answer = await ask({Range: 'bytes=0-9', 'If-Range': value});
       assert.equal(answer.status, status);
       assert.equal(answer.body.length, status === 206 ? 10 : 1000);
     });
@@ -151,7 +185,10 @@ describe('results', () => {
       const answer = await server.get(`${small}/result`);
       assert.equal(answer.status, 200);
       assert.equal(answer.body.length, size);
-      assert.equal((await server.get(`${small}/result`, {headers: {Range: 'bytes=1-'}})).status, 416);
+      assert.equal(
+        (await server.get(`${small}/result`, {headers: {Range: 'bytes=1-'}})).status,
+        416
+      );
     }
   });
 });
@@ -159,7 +196,10 @@ describe('results', () => {
 describe('results of the real engine', () => {
   const server = useServer();
 
-  for (const [output, type, extension] of [['glb', 'model/gltf-binary', 'glb'], ['obj', 'model/obj', 'obj']])
+  for (const [output, type, extension] of [
+    ['glb', 'model/gltf-binary', 'glb'],
+    ['obj', 'model/obj', 'obj'],
+  ])
     test(`output=${output} is ${type}`, async () => {
       const query = output === 'glb' ? cubeQuery : '?format=raw&dims=2x2x2&output=obj';
       const answer = await server.post(`/v1/regularize${query}`, cube);

@@ -27,38 +27,87 @@ async function deleted(server, path) {
 // How a job gets into each state, and the statuses of GET job, GET result, GET events, GET preview
 // and DELETE.
 const kStates = {
-  'queued': [async (server) => {
-    await running(server);
-    return server.submit(fresh('slow'));
-  }, 200, 202, 200, 404, 204],
-  'queued, progressive': [async (server) => {
-    await running(server);
-    return server.submit(fresh('slow'), kProgressive);
-  }, 200, 202, 200, 202, 204],
-  'running': [running, 200, 202, 200, 404, 204],
-  'succeeded': [(server) => ended(server, fresh(), 'succeeded'), 200, 200, 200, 410, 204],
-  'failed': [(server) => ended(server, 'empty', 'failed'), 200, 422, 200, 410, 204],
+  queued: [
+    async (server) => {
+      await running(server);
+      return server.submit(fresh('slow'));
+    },
+    200,
+    202,
+    200,
+    404,
+    204,
+  ],
+  'queued, progressive': [
+    async (server) => {
+      await running(server);
+      return server.submit(fresh('slow'), kProgressive);
+    },
+    200,
+    202,
+    200,
+    202,
+    204,
+  ],
+  running: [running, 200, 202, 200, 404, 204],
+  succeeded: [(server) => ended(server, fresh(), 'succeeded'), 200, 200, 200, 410, 204],
+  failed: [(server) => ended(server, 'empty', 'failed'), 200, 422, 200, 410, 204],
   'failed inside': [(server) => ended(server, 'throw', 'failed'), 200, 500, 200, 410, 204],
-  'canceled while it ran': [async (server) => deleted(server, await running(server, kProgressive)),
-    200, 409, 200, 410, 204],
-  'canceled while it waited': [async (server) => {
-    await running(server);
-    return deleted(server, await server.submit(fresh('slow'), kProgressive));
-  }, 200, 409, 200, 410, 204],
-  'expired': [async (server) => {
-    const path = await ended(server, fresh(), 'succeeded');
-    await ended(server, fresh(), 'succeeded');
-    return path;
-  }, 410, 410, 410, 410, 410, ['--kept-jobs', '1']],
-  'succeeded, its result dropped': [async (server) => {
-    const path = await ended(server, 'big:3000', 'succeeded');
-    await ended(server, 'big:3001', 'succeeded');
-    return path;
-  }, 200, 410, 200, 410, 204, ['--result-budget', '4096']],
-  'forgotten': [async (server) => deleted(server, await ended(server, fresh(), 'succeeded')),
-    404, 404, 404, 404, 404],
-  'unknown': [async () => kUnknown, 404, 404, 404, 404, 404],
-  'malformed': [async () => '/v1/jobs/x', 404, 404, 404, 404, 404],
+  'canceled while it ran': [
+    async (server) => deleted(server, await running(server, kProgressive)),
+    200,
+    409,
+    200,
+    410,
+    204,
+  ],
+  'canceled while it waited': [
+    async (server) => {
+      await running(server);
+      return deleted(server, await server.submit(fresh('slow'), kProgressive));
+    },
+    200,
+    409,
+    200,
+    410,
+    204,
+  ],
+  expired: [
+    async (server) => {
+      const path = await ended(server, fresh(), 'succeeded');
+      await ended(server, fresh(), 'succeeded');
+      return path;
+    },
+    410,
+    410,
+    410,
+    410,
+    410,
+    ['--kept-jobs', '1'],
+  ],
+  'succeeded, its result dropped': [
+    async (server) => {
+      const path = await ended(server, 'big:3000', 'succeeded');
+      await ended(server, 'big:3001', 'succeeded');
+      return path;
+    },
+    200,
+    410,
+    200,
+    410,
+    204,
+    ['--result-budget', '4096'],
+  ],
+  forgotten: [
+    async (server) => deleted(server, await ended(server, fresh(), 'succeeded')),
+    404,
+    404,
+    404,
+    404,
+    404,
+  ],
+  unknown: [async () => kUnknown, 404, 404, 404, 404, 404],
+  malformed: [async () => '/v1/jobs/x', 404, 404, 404, 404, 404],
   'with a number as its id': [async () => '/v1/jobs/1', 404, 404, 404, 404, 404],
   'with dots as its id': [async () => '/v1/jobs/%2e%2e', 404, 404, 404, 404, 404],
 };
@@ -73,20 +122,30 @@ async function eventStatus(server, path) {
 }
 
 describe('states', () => {
-  for (const [state, [make, job, result, events, preview, removal, args = []]] of Object.entries(kStates)) {
+  for (const [state, [make, job, result, events, preview, removal, args = []]] of Object.entries(
+    kStates
+  )) {
     test(`a job that is ${state}: ${job} ${result} ${events} ${preview} ${removal}`, async (t) => {
       await withFakeServer(['--workers', '1', '--queue-limit', '8', ...args], async (server) => {
         const path = await make(server);
         for (const method of ['GET', 'HEAD'])
-          for (const [suffix, status] of [['', job], ['/result', result], ['/preview', preview]])
+          for (const [suffix, status] of [
+            ['', job],
+            ['/result', result],
+            ['/preview', preview],
+          ])
             await t.test(`${method} ${suffix}`, async () =>
-              assert.equal((await server.ask(method, path + suffix)).status, status));
+              assert.equal((await server.ask(method, path + suffix)).status, status)
+            );
         await t.test('HEAD /events', async () =>
-          assert.equal((await server.ask('HEAD', `${path}/events`)).status, events));
+          assert.equal((await server.ask('HEAD', `${path}/events`)).status, events)
+        );
         await t.test('GET /events', async () =>
-          assert.equal(await eventStatus(server, path), events));
+          assert.equal(await eventStatus(server, path), events)
+        );
         await t.test('DELETE', async () =>
-          assert.equal((await server.ask('DELETE', path)).status, removal));
+          assert.equal((await server.ask('DELETE', path)).status, removal)
+        );
       });
     });
   }
@@ -114,7 +173,10 @@ describe('states', () => {
   test('places in the queue move up when the one before is canceled', async () => {
     await withFakeServer(['--workers', '1'], async (server) => {
       await running(server);
-      const [first, second] = [await server.submit(fresh('slow')), await server.submit(fresh('slow'))];
+      const [first, second] = [
+        await server.submit(fresh('slow')),
+        await server.submit(fresh('slow')),
+      ];
       assert.equal((await server.get(first)).json.queue_position, 0);
       assert.equal((await server.get(second)).json.queue_position, 1);
       await deleted(server, first);
@@ -122,8 +184,14 @@ describe('states', () => {
     });
   });
 
-  const failures = {empty: [422, 'empty-grid'], bad: [400, 'malformed-input'], odd: [415, 'unsupported-format'],
-    big: [413, 'too-large'], throw: [500, 'internal'], memory: [422, 'memory-budget']};
+  const failures = {
+    empty: [422, 'empty-grid'],
+    bad: [400, 'malformed-input'],
+    odd: [415, 'unsupported-format'],
+    big: [413, 'too-large'],
+    throw: [500, 'internal'],
+    memory: [422, 'memory-budget'],
+  };
   for (const [grid, [status, slug]] of Object.entries(failures))
     test(`a job that fails with ${slug}: ${status} at once, as a result, and in the job`, async () => {
       await withFakeServer([], async (server) => {
@@ -148,19 +216,35 @@ describe('states', () => {
         await server.follow(paths.at(-1));
       }
       const list = async (query = '') => (await server.get(`/v1/jobs${query}`)).json;
-      assert.deepEqual((await list()).jobs.map((job) => job.links.self), [...paths].reverse());
+      assert.deepEqual(
+        (await list()).jobs.map((job) => job.links.self),
+        [...paths].reverse()
+      );
       assert.equal((await list('?state=failed')).jobs.length, 1);
       assert.equal((await list('?state=queued')).jobs.length, 0);
       const page = await list('?limit=2');
       assert.equal(page.jobs.length, 2);
       const rest = (await server.get(page.next)).json;
-      assert.deepEqual(rest.jobs.map((job) => job.links.self), [paths[0]]);
+      assert.deepEqual(
+        rest.jobs.map((job) => job.links.self),
+        [paths[0]]
+      );
       assert.equal(rest.next, null);
     });
   });
 
-  for (const query of ['?limit=0', '?limit=501', '?limit=x', '?limit=-1', '?limit=', '?state=done', '?state=',
-    '?colour=1', '?limit=1&limit=2', '?limit=1%00'])
+  for (const query of [
+    '?limit=0',
+    '?limit=501',
+    '?limit=x',
+    '?limit=-1',
+    '?limit=',
+    '?state=done',
+    '?state=',
+    '?colour=1',
+    '?limit=1&limit=2',
+    '?limit=1%00',
+  ])
     test(`the list refuses ${query}`, async () => {
       await withFakeServer([], async (server) => {
         const answer = await server.get(`/v1/jobs${query}`);

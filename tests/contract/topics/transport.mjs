@@ -9,7 +9,7 @@ const get = (lines) => `GET /version HTTP/1.1\r\n${lines}\r\n`;
 
 // 400, and the connection ends: what follows on it cannot be trusted.
 const kMalformed = {
-  'nonsense': 'nonsense\r\n\r\n',
+  nonsense: 'nonsense\r\n\r\n',
   'an empty method': ' / HTTP/1.1\r\nHost: x\r\n\r\n',
   'a method with a space': 'GE T / HTTP/1.1\r\nHost: x\r\n\r\n',
   'HTTP/0.9': 'GET /\r\n\r\n',
@@ -40,17 +40,29 @@ const kMalformed = {
   'a length with a letter': post('Content-Length: 2x\r\n', 'ok'),
   'an empty length': post('Content-Length: \r\n', 'ok'),
   'a length above 2^64': post('Content-Length: 99999999999999999999999\r\n', 'ok'),
-  'a length and chunks': post('Content-Length: 2\r\nTransfer-Encoding: chunked\r\n', '2\r\nok\r\n0\r\n\r\n'),
-  'chunks and a length': post('Transfer-Encoding: chunked\r\nContent-Length: 2\r\n', '2\r\nok\r\n0\r\n\r\n'),
+  'a length and chunks': post(
+    'Content-Length: 2\r\nTransfer-Encoding: chunked\r\n',
+    '2\r\nok\r\n0\r\n\r\n'
+  ),
+  'chunks and a length': post(
+    'Transfer-Encoding: chunked\r\nContent-Length: 2\r\n',
+    '2\r\nok\r\n0\r\n\r\n'
+  ),
   'a transfer encoding that nobody knows': post('Transfer-Encoding: magic\r\n', 'ok'),
   'chunked twice': post('Transfer-Encoding: chunked, chunked\r\n', '2\r\nok\r\n0\r\n\r\n'),
   'chunked, and not last': post('Transfer-Encoding: chunked, identity\r\n', '2\r\nok\r\n0\r\n\r\n'),
   'chunked behind a tab': post('Transfer-Encoding:\x0bchunked\r\n', '2\r\nok\r\n0\r\n\r\n'),
   'a chunk of -2 bytes': post('Transfer-Encoding: chunked\r\n', '-2\r\nok\r\n0\r\n\r\n'),
   'a chunk of 0x2 bytes': post('Transfer-Encoding: chunked\r\n', '0x2\r\nok\r\n0\r\n\r\n'),
-  'a chunk with a size above 2^64': post('Transfer-Encoding: chunked\r\n', `${'f'.repeat(17)}\r\nok\r\n0\r\n\r\n`),
+  'a chunk with a size above 2^64': post(
+    'Transfer-Encoding: chunked\r\n',
+    `${'f'.repeat(17)}\r\nok\r\n0\r\n\r\n`
+  ),
   'a chunk without a size': post('Transfer-Encoding: chunked\r\n', '\r\nok\r\n0\r\n\r\n'),
-  'a chunk that is longer than it says': post('Transfer-Encoding: chunked\r\n', '2\r\nokok\r\n0\r\n\r\n'),
+  'a chunk that is longer than it says': post(
+    'Transfer-Encoding: chunked\r\n',
+    '2\r\nokok\r\n0\r\n\r\n'
+  ),
 };
 
 describe('transport', () => {
@@ -70,29 +82,73 @@ describe('transport', () => {
     });
 
   test('an empty Host is allowed, and the absolute form of a target', async () => {
-    const empty = await server.raw('GET /version HTTP/1.1\r\nHost:\r\nConnection: close\r\n\r\n', {target: '/version'});
+    const empty = await server.raw('GET /version HTTP/1.1\r\nHost:\r\nConnection: close\r\n\r\n', {
+      target: '/version',
+    });
     assert.equal(empty.status, 200);
-    const absolute = await server.raw('GET http://x/version HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n', {target: '/version'});
+    const absolute = await server.raw(
+      'GET http://x/version HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n',
+      {target: '/version'}
+    );
     assert.ok([200, 400, 404].includes(absolute.status), String(absolute.status));
   });
 
-  for (const [method, target] of [['OPTIONS', '*'], ['GET', '*'], ['CONNECT', 'x:443'], ['GET', 'version'], ['GET', '?x'], ['GET', '#x']])
+  for (const [method, target] of [
+    ['OPTIONS', '*'],
+    ['GET', '*'],
+    ['CONNECT', 'x:443'],
+    ['GET', 'version'],
+    ['GET', '?x'],
+    ['GET', '#x'],
+  ])
     test(`${method} ${target} leads nowhere`, async () => {
-      const answer = await server.raw(`${method} ${target} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n`, {method, target: '*'});
+      const answer = await server.raw(
+        `${method} ${target} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n`,
+        {method, target: '*'}
+      );
       assert.ok([204, 400, 404, 405].includes(answer.status), String(answer.status));
     });
 
-  for (const path of ['/../etc/passwd', '/%2e%2e/%2e%2e/etc/passwd', '/..%2fetc%2fpasswd', '/.%00/', '/%00', '//', '//etc/passwd', '/\\..\\x',
-    '/v1//jobs', '/v1/jobs/', '/v1/./jobs', '/v1/jobs/../limits', '/v1/samples/..%2f..%2fx', '/v1/samples/%00', '/%', '/%zz', '/%c0%ae%c0%ae/',
-    '/v1/jobs/%2e', '/;/version', '/version;x', '/version/', '/Version', '/index.html%00.js'])
+  for (const path of [
+    '/../etc/passwd',
+    '/%2e%2e/%2e%2e/etc/passwd',
+    '/..%2fetc%2fpasswd',
+    '/.%00/',
+    '/%00',
+    '//',
+    '//etc/passwd',
+    '/\\..\\x',
+    '/v1//jobs',
+    '/v1/jobs/',
+    '/v1/./jobs',
+    '/v1/jobs/../limits',
+    '/v1/samples/..%2f..%2fx',
+    '/v1/samples/%00',
+    '/%',
+    '/%zz',
+    '/%c0%ae%c0%ae/',
+    '/v1/jobs/%2e',
+    '/;/version',
+    '/version;x',
+    '/version/',
+    '/Version',
+    '/index.html%00.js',
+  ])
     test(`the path ${path} is nowhere`, async () => {
-      const answer = await server.raw(`GET ${path} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n`, {target: '*'});
+      const answer = await server.raw(
+        `GET ${path} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n`,
+        {target: '*'}
+      );
       assert.ok([400, 404].includes(answer.status), String(answer.status));
       assert.ok(!answer.text.includes('root:'));
     });
 
   test('CRLF in what is echoed cannot add a field', async () => {
-    for (const target of ['/v1/samples/x%0d%0aSet-Cookie:%20a=b', '/v1/jobs?state=%0d%0aX:%20y', '/%0d%0aX:y']) {
+    for (const target of [
+      '/v1/samples/x%0d%0aSet-Cookie:%20a=b',
+      '/v1/jobs?state=%0d%0aX:%20y',
+      '/%0d%0aX:y',
+    ]) {
       const answer = await server.get(target);
       assert.equal(answer.headers['set-cookie'], undefined);
       assert.equal(answer.headers.x, undefined);
@@ -122,7 +178,10 @@ describe('transport', () => {
 
   test('chunks with extensions and trailers, sizes with zeros, in small pieces', async () => {
     const connection = await server.connect();
-    const bytes = post('Transfer-Encoding: chunked\r\nConnection: close\r\n', '00002;name="value"\r\nok\r\n1\r\n!\r\n0\r\nX-Trailer: y\r\n\r\n');
+    const bytes = post(
+      'Transfer-Encoding: chunked\r\nConnection: close\r\n',
+      '00002;name="value"\r\nok\r\n1\r\n!\r\n0\r\nX-Trailer: y\r\n\r\n'
+    );
     for (const byte of bytes) connection.send(byte);
     const answer = await connection.answer('POST');
     assert.ok(answer.text === 'asset of ok!' || answer.status === 400, answer.text);
@@ -130,7 +189,10 @@ describe('transport', () => {
   });
 
   test('an empty line before a request is allowed or refused, and no more', async () => {
-    const answer = await server.raw('\r\nGET /version HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n', {target: '/version'});
+    const answer = await server.raw(
+      '\r\nGET /version HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n',
+      {target: '/version'}
+    );
     assert.ok([200, 400].includes(answer.status));
   });
 
@@ -139,7 +201,13 @@ describe('transport', () => {
     const answer = await server.post('/v1/regularize?x=1', hidden);
     assertProblem(answer, 400, 'unknown-option');
     const connection = await server.connect();
-    connection.send(requestBytes('GET', '/version', {headers: {'Content-Length': hidden.length}, body: undefined, close: false}));
+    connection.send(
+      requestBytes('GET', '/version', {
+        headers: {'Content-Length': hidden.length},
+        body: undefined,
+        close: false,
+      })
+    );
     connection.send(hidden);
     connection.send(requestBytes('GET', '/v1/limits'));
     const first = await connection.answer();
@@ -156,7 +224,9 @@ describe('connections', () => {
   test('three requests in one packet are answered in order', async () => {
     const connection = await server.connect();
     const targets = ['/version', '/v1/limits', '/nothing'];
-    connection.send(Buffer.concat(targets.map((target) => requestBytes('GET', target, {close: false}))));
+    connection.send(
+      Buffer.concat(targets.map((target) => requestBytes('GET', target, {close: false})))
+    );
     for (const target of targets) {
       const answer = await connection.answer();
       server.check('GET', target, answer);
@@ -168,8 +238,13 @@ describe('connections', () => {
   test('posts with bodies, one after the other on one connection', async () => {
     const connection = await server.connect();
     const bodies = ['ok-a', 'ok-b', 'ok-c'];
-    connection.send(Buffer.concat(bodies.map((body) => requestBytes('POST', '/v1/regularize', {body, close: false}))));
-    for (const body of bodies) assert.equal((await connection.answer('POST')).text, `asset of ${body}`);
+    connection.send(
+      Buffer.concat(
+        bodies.map((body) => requestBytes('POST', '/v1/regularize', {body, close: false}))
+      )
+    );
+    for (const body of bodies)
+      assert.equal((await connection.answer('POST')).text, `asset of ${body}`);
     connection.close();
   });
 
@@ -191,7 +266,11 @@ describe('connections', () => {
     connection.close();
   });
 
-  for (const [version, header, stays] of [['1.1', '', true], ['1.1', 'Connection: close\r\n', false], ['1.0', '', false]])
+  for (const [version, header, stays] of [
+    ['1.1', '', true],
+    ['1.1', 'Connection: close\r\n', false],
+    ['1.0', '', false],
+  ])
     test(`HTTP/${version} ${header.trim()}: the connection ${stays ? 'stays' : 'ends'}`, async () => {
       const connection = await server.connect();
       const bytes = `GET /version HTTP/${version}\r\nHost: x\r\n${header}\r\n`;
