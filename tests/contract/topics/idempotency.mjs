@@ -85,31 +85,20 @@ describe('idempotency', () => {
 
   for (const route of ['/v1/jobs', '/v1/regularize'])
     test(`while the first is being received, the second at ${route} is told to come back`, async () => {
-      const key = fresh('key');
-      const body = fresh();
-      const connection = await server.connect();
-      const bytes = requestBytes('POST', route, {body, ...withKey(key)});
-      connection.send(bytes.subarray(0, bytes.length - 3));
-      // Until the head of the first has been read, the second may be the first.
-      await eventually(async () => {
-        const probe = await server.connect();
-        probe.send(
-          requestBytes('POST', route, {
-            headers: {
-              'Idempotency-Key': key,
-              Expect: '100-continue',
-              'Content-Length': body.length,
-            },
-          })
-        );
-        const {status} = await probe.anyHead();
-        probe.close();
-        return status === 409;
+      // The second may overtake the first between its 100 and its first byte: then with another key.
+      const {key, body, connection, answer} = await eventually(async () => {
+        const first = {key: fresh('key'), body: fresh(), connection: await server.connect()};
+        const headers = {'Idempotency-Key': first.key, Expect: '100-continue'};
+        const bytes = requestBytes('POST', route, {body: first.body, headers});
+        first.connection.send(bytes.subarray(0, -first.body.length));
+        assert.equal((await first.connection.anyHead()).status, 100);
+        first.connection.send(first.body.slice(0, -3));
+        first.answer = await server.post(route, first.body, withKey(first.key));
+        return first.answer.status === 409 && first;
       }, 'the first is being received');
-      const answer = await server.post(route, body, withKey(key));
       assertProblem(answer, 409, 'idempotency-in-progress');
       assert.match(answer.headers['retry-after'], /^\d+$/);
-      connection.send(bytes.subarray(bytes.length - 3));
+      connection.send(body.slice(-3));
       const first = await connection.answer('POST');
       assert.ok([200, 202].includes(first.status));
       const later = await server.post(route, body, withKey(key));

@@ -170,6 +170,8 @@ describe('state', () => {
   test('a crash is survived: the address stays, other jobs end, and the input is in quarantine after two', async () => {
     await withFakeServer(stateArgs('crash'), async (server) => {
       const other = fresh();
+      // It waits behind another, so that it is accepted before it crashes.
+      await server.submit(fresh('hold:300'));
       const path = await server.submit('crash-one');
       const second = await server.submit(other).catch(() => undefined);
       const job = await eventually(async () => {
