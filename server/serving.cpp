@@ -79,7 +79,6 @@ public:
                    .limits = serving.settings.limits(),
                    .samples = serving.samples,
                    .assets = webAssets(),
-                   .minBodyRate = serving.settings.minBodyRate,
                    .longPolls = serving.settings.longPolls,
                    .streams = serving.settings.streams,
                    .restarts = serving.supervision.restarts},
@@ -92,6 +91,7 @@ public:
 
 private:
     core::Result<void> loadTls();
+    core::Result<void> loadKeys();
     void announce() const;
     SignalRequest nextRequest(std::chrono::milliseconds wait);
     void reload();
@@ -109,7 +109,10 @@ private:
 };
 
 core::Result<void> Server::start() {
+    service_.uploads.limit = serving_.settings.uploadBytes();
+    service_.corsOrigins = serving_.settings.corsOrigins;
     if (auto loaded = loadTls(); !loaded) return loaded;
+    if (auto loaded = loadKeys(); !loaded) return loaded;
     if (serving_.admin) {
         auto shared = share(*serving_.admin);
         if (!shared) return fail(shared.error());
@@ -129,6 +132,17 @@ core::Result<void> Server::loadTls() {
     if (!tls) return fail(tls.error());
     tls_ = *std::move(tls);
     service_.onReload.emplace_back([this] { return tls_->reload(); });
+    return {};
+}
+
+core::Result<void> Server::loadKeys() {
+    const Settings& settings = serving_.settings;
+    if (settings.apiKeys.empty()) return {};
+    auto ring = KeyRing::load(settings.apiKeys);
+    if (!ring) return fail(ring.error());
+    service_.access = std::make_shared<Access>(std::make_shared<const KeyRing>(*std::move(ring)));
+    service_.onReload.emplace_back(
+        [this, path = settings.apiKeys] { return service_.access->reload(path); });
     return {};
 }
 

@@ -15,7 +15,8 @@ struct Exchange {
     httplib::Response& response;
     const httplib::ContentReader* body;  ///< of routes that take an upload, else null
     Service& service;
-    std::string owner = {};  ///< name of the caller's API key; empty without keys
+    std::string owner = {};        ///< name of who calls; of the jobs that this request may see
+    std::string traceparent = {};  ///< for the jobs that this request starts
 };
 
 /// What a step of a handler gives, or the problem to answer with.

@@ -3,8 +3,11 @@
 #include <memory>
 #include <utility>
 
+#include "server/http/access.h"
+#include "server/http/cors.h"
 #include "server/http/exchange.h"
 #include "server/http/routes.h"
+#include "server/http/trace.h"
 #include "server/http/upload.h"
 #include "server/net/answer.h"
 
@@ -69,8 +72,10 @@ void HttpServer::setHooks() {
     server_.set_expect_100_continue_handler(
         [this](const httplib::Request& request, httplib::Response& response) {
             const Route* route = findRoute(request.method, request.path);
-            requestId(request, response);
-            if (route && route->upload && refusesUpload(request, response)) return response.status;
+            begin(request, response);
+            const bool upload = route && route->upload;
+            if (refusesCaller(service_, request, response, upload)) return response.status;
+            if (upload && refusesUpload(request, response)) return response.status;
             return 100;
         });
     server_.set_pre_routing_handler(
@@ -88,6 +93,7 @@ void HttpServer::setHooks() {
         });
     server_.onAnswer([](const httplib::Request&, httplib::Response& response) {
         response.user_data.erase("ticket");  // an unused place is free before the answer is seen
+        releaseUpload(response);
     });
     server_.set_logger([this](const httplib::Request& request, const httplib::Response& response) {
         observe(request, response);
@@ -99,7 +105,12 @@ void HttpServer::setRoutes() {
         const auto handle = [this, &route](const httplib::Request& request,
                                            httplib::Response& response,
                                            const httplib::ContentReader* body) {
-            Exchange exchange{request, response, body, service_};
+            Exchange exchange{request,
+                              response,
+                              body,
+                              service_,
+                              callerOf(response).name,
+                              traceOf(response).traceparent()};
             route.handle(exchange);
         };
         const auto plain = [handle](const httplib::Request& request, httplib::Response& response) {
@@ -118,17 +129,28 @@ void HttpServer::setRoutes() {
     }
 }
 
+/// What every request has, however it is answered.
+void HttpServer::begin(const httplib::Request& request, httplib::Response& response) const {
+    requestId(request, response);
+    traceOf(request, response);
+    allowOrigin(service_.corsOrigins, request, response);
+}
+
 /// Everything that is decided before a body is read.
 HttpServer::Verdict HttpServer::beforeRouting(const httplib::Request& request,
                                               httplib::Response& response) {
-    requestId(request, response);
+    begin(request, response);
     const bool reads = request.method == "GET" || request.method == "HEAD";
     const WebAsset* asset = findAsset(service_.assets, request.path);
     if (asset && reads) {
         writeAsset(request, response, *asset);
         return Verdict::Handled;
     }
-    if (const Route* route = findRoute(request.method, request.path))
+    const Route* route = findRoute(request.method, request.path);
+    const bool preflight = isPreflight(service_.corsOrigins, request);
+    if (!preflight && refusesCaller(service_, request, response, route && route->upload))
+        return Verdict::Handled;
+    if (route)
         return route->upload && refusesUpload(request, response) ? Verdict::Handled
                                                                  : Verdict::Unhandled;
 
@@ -139,7 +161,9 @@ HttpServer::Verdict HttpServer::beforeRouting(const httplib::Request& request,
         return Verdict::Handled;
     }
     response.set_header("Allow", allowed);
-    if (request.method == "OPTIONS")
+    if (preflight)
+        writePreflight(allowed, response);
+    else if (request.method == "OPTIONS")
         response.status = 204;
     else
         writeProblem(
@@ -152,8 +176,8 @@ HttpServer::Verdict HttpServer::beforeRouting(const httplib::Request& request,
 /// that it is given back however the request ends. Called again after Expect: 100-continue.
 bool HttpServer::refusesUpload(const httplib::Request& request, httplib::Response& response) {
     if (response.user_data.has("ticket")) return false;
-    if (const auto checked = checkUploadHeaders(request, service_); !checked) {
-        writeProblem(service_, response, checked.error());
+    if (const auto admitted = admitUpload(request, response, service_); !admitted) {
+        writeProblem(service_, response, admitted.error());
         return true;
     }
     auto ticket = service_.pool.admit();
@@ -168,7 +192,7 @@ bool HttpServer::refusesUpload(const httplib::Request& request, httplib::Respons
 /// Gives the errors that the library answers by itself their problem.
 void HttpServer::explain(const httplib::Request& request, httplib::Response& response) const {
     requestId(request, response);
-    if (bodyTimedOut(request)) {
+    if (bodyTimedOut(request) && response.status != 408) {
         response.status = 408;
         response.body.clear();
     }

@@ -53,6 +53,7 @@ private:
     void setHooks();
     void setRoutes();
     using Verdict = httplib::Server::HandlerResponse;
+    void begin(const httplib::Request& request, httplib::Response& response) const;
     Verdict beforeRouting(const httplib::Request& request, httplib::Response& response);
     bool refusesUpload(const httplib::Request& request, httplib::Response& response);
     void explain(const httplib::Request& request, httplib::Response& response) const;

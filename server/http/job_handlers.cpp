@@ -55,11 +55,6 @@ void applyConditions(Exchange& exchange, const JobResult& result) {
     }
     const std::string ifRange = request.get_header_value("If-Range");
     if (request.ranges.empty() || (!ifRange.empty() && ifRange != result.etag)) return;
-    if (request.ranges.size() > kMaxRanges) {
-        proto::Problem problem{proto::transportProblemType(416), "too many ranges in one request",
-                               "/headers/range", kMaxRanges, request.ranges.size()};
-        return writeProblem(exchange, problem);
-    }
     // Without a status, the library answers 206 to a Range.
     response.headers.erase("Content-Digest");
     response.status = -1;
@@ -107,6 +102,11 @@ void getResult(Exchange& exchange) {
     const auto job = findJob(exchange);
     if (!job) return writeError(exchange, job.error());
     if (!proto::hasEnded((*job)->state())) return writeAccepted(exchange, **job);
+    const std::size_t ranges = exchange.request.ranges.size();
+    if (ranges > kMaxRanges && (*job)->state() == proto::JobState::succeeded)
+        return writeProblem(exchange,
+                            {proto::transportProblemType(416), "too many ranges in one request",
+                             "/headers/range", kMaxRanges, ranges});
     const ResultPtr result = writeOutcome(exchange, **job);
     if (!result) return;
     exchange.response.set_header("Accept-Ranges", "bytes");

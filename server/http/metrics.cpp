@@ -37,7 +37,6 @@ void writeJobs(std::ostream& out, const PoolStats& stats) {
     out << "rivage_admission_rejected_total{reason=\"queue_full\"} " << stats.rejectedFull << '\n'
         << "rivage_admission_rejected_total{reason=\"draining\"} " << stats.rejectedDraining
         << '\n';
-
 }
 
 }  // namespace

@@ -4,11 +4,14 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "proto/job.h"
+#include "server/http/access.h"
+#include "server/http/upload_budget.h"
 #include "server/jobs/job_pool.h"
 #include "server/web/assets.h"
 
@@ -26,10 +29,10 @@ struct Service {
     proto::ServiceLimits limits;
     Samples samples = {};
     std::span<const WebAsset> assets = {};  ///< the viewer
-    /// How long a body may take for its first bytes, and how slow it may be after that.
-    std::chrono::seconds readTimeout{10};
-    std::uint64_t minBodyRate = 1024;  ///< bytes per second, on average, after `readTimeout`
-    std::size_t longPolls = 64;        ///< waiting GETs at a time; more are answered at once
+    std::shared_ptr<Access> access = {};    ///< null: everybody may call
+    std::vector<std::string> corsOrigins = {};
+    std::size_t longPolls = 64;  ///< waiting GETs at a time; more are answered at once
+    UploadBudget uploads = {};
     std::atomic<std::size_t> waiting{0};
     std::size_t streams = 64;  ///< clients that follow events at a time; more are refused
     std::atomic<std::size_t> streaming{0};

@@ -37,6 +37,7 @@ Answer<JobRequest> readRequest(Exchange& exchange, JobKind kind) {
     JobRequest request{kind, std::move(upload->grid), *std::move(options)};
     if (!upload->name.empty()) request.name = std::move(upload->name);
     request.owner = exchange.owner;
+    request.traceparent = exchange.traceparent;
     request.requestId = exchange.response.get_header_value("X-Request-ID");
     const std::string cache = exchange.request.get_header_value("Cache-Control");
     request.fresh = cache.find("no-cache") != std::string::npos;
@@ -90,6 +91,7 @@ Answer<std::shared_ptr<Job>> acceptJob(Exchange& exchange, JobKind kind, bool du
         auto* ticket = exchange.response.user_data.get<std::shared_ptr<JobPool::Ticket>>("ticket");
         auto submitted = pool.submit(std::move(**ticket), *std::move(request));
         if (!submitted) return problem(submitted.error());
+        releaseUpload(exchange.response);
         job = *std::move(submitted);
         known.claim.settle(*job);
     }

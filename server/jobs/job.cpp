@@ -13,6 +13,10 @@ constexpr std::size_t kKeptEvents = 256;
 /// Between two events that only say how far a stage is.
 constexpr std::chrono::milliseconds kProgressInterval{100};
 
+proto::Json parsed(const std::string& text) {
+    return text.empty() ? proto::Json() : proto::Json::parse(text, nullptr, false);
+}
+
 JobFacts factsOf(const JobRecord& record) {
     return {.id = record.id,
             .kind = JobKind::convert,
@@ -20,16 +24,13 @@ JobFacts factsOf(const JobRecord& record) {
             .idempotencyKey = record.idempotencyKey,
             .key = record.key,
             .options = record.options,
+            .progressive = parsed(record.options).value("progressive", false),
             .name = record.name,
             .requestId = record.requestId,
             .traceparent = record.traceparent,
             .inputSha256 = record.inputSha256,
             .inputBytes = record.inputBytes,
             .created = record.created};
-}
-
-proto::Json parsed(const std::string& text) {
-    return text.empty() ? proto::Json() : proto::Json::parse(text, nullptr, false);
 }
 
 }  // namespace
@@ -56,6 +57,7 @@ Job::Job(const JobRecord& record, Clock::time_point deadline) : Job(factsOf(reco
     now_.view.finished = record.finished;
     now_.view.expiresAt = record.expires;
     now_.view.progress = record.state == JobState::succeeded ? 1 : 0;
+    if (record.state == JobState::succeeded) now_.view.stage = core::Stage::write;
     now_.error = record.error;
     if (record.error) {
         now_.view.error = proto::makeProblem(*record.error);
@@ -85,9 +87,10 @@ void Job::advance(core::Stage stage, double progress) {
     const std::lock_guard lock(mutex_);
     if (ended()) return;
     const bool next = now_.view.stage != stage;
+    const bool further = progress > now_.view.progress;
     now_.view.stage = stage;
     now_.view.progress = std::max(now_.view.progress, progress);
-    if (next || Clock::now() - lastProgress_ >= kProgressInterval) addProgressEvent();
+    if (next || (further && Clock::now() - lastProgress_ >= kProgressInterval)) addProgressEvent();
 }
 
 void Job::advanceInQueue(std::size_t position) {

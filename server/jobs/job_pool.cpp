@@ -85,6 +85,7 @@ core::Result<JobFacts> JobPool::describe(const JobRequest& request, const Blob& 
                     .idempotencyKey = request.idempotencyKey,
                     .key = runKey(request, input, engine_.version),
                     .options = proto::writeJson(proto::toJson(request.options)),
+                    .progressive = request.options.run.progressive,
                     .name = request.name,
                     .requestId = request.requestId,
                     .traceparent = request.traceparent,
@@ -239,7 +240,10 @@ void JobPool::leave(const std::shared_ptr<Job>& job, const Error& reason) {
     conclude(job);
 }
 
-void JobPool::forget(const Job& job) { index_.forget(job.id()); }
+void JobPool::forget(const Job& job) {
+    known_.forget(job);
+    index_.forget(job.id());
+}
 
 std::vector<std::shared_ptr<Task>> JobPool::tasks() const {
     auto tasks = queue_->waiting();

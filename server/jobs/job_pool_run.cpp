@@ -90,6 +90,13 @@ core::Result<core::Artifact> JobPool::run(Task& task) {
     context.progress = [&task](core::Stage stage, double fraction) {
         task.report(stage, fraction);
     };
+    if (task.options().run.progressive)
+        context.preview = [this, &task](core::Preview preview) {
+            if (auto blob = memory_.put(std::move(preview.bytes)))
+                task.offer({preview.step, preview.energy,
+                            std::make_shared<const JobResult>(
+                                *std::move(blob), std::move(preview.mediaType), "glb")});
+        };
     const core::ConversionOptions& options = task.options().conversion;
     const Converter& convert = task.kind() == JobKind::convert ? engine_.convert : engine_.inspect;
     try {

@@ -29,6 +29,12 @@ void KnownRuns::remember(const std::shared_ptr<Job>& job) {
     if (!job->facts().key.empty()) finished_[job->facts().key] = job;
 }
 
+void KnownRuns::forget(const Job& job) {
+    const std::lock_guard lock(mutex_);
+    const auto found = finished_.find(job.facts().key);
+    if (found != finished_.end() && found->second.lock().get() == &job) finished_.erase(found);
+}
+
 void KnownRuns::sweep() {
     const std::lock_guard lock(mutex_);
     std::erase_if(runs_, [](const auto& item) { return item.second.expired(); });

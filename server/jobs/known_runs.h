@@ -37,6 +37,8 @@ public:
 
     /// A job of an earlier process that succeeded.
     void remember(const std::shared_ptr<Job>& job);
+    /// The result of this job is not to be used again.
+    void forget(const Job& job);
     /// Forgets what is gone.
     void sweep();
 

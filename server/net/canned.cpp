@@ -2,20 +2,22 @@
 
 #include <openssl/rand.h>
 
-#include <array>
+#include <stdexcept>
+#include <vector>
 
 namespace rivage::server {
 
-std::string randomRequestId() {
-    std::array<unsigned char, 12> random{};
-    ::RAND_bytes(random.data(), static_cast<int>(random.size()));
+std::string randomHex(std::size_t bytes) {
+    std::vector<unsigned char> random(bytes);
+    if (::RAND_bytes(random.data(), static_cast<int>(bytes)) != 1)
+        throw std::runtime_error("the system has no random numbers");
     constexpr char kHex[] = "0123456789abcdef";
-    std::string id;
+    std::string text;
     for (const unsigned char byte : random) {
-        id += kHex[byte >> 4];
-        id += kHex[byte & 15];
+        text += kHex[byte >> 4];
+        text += kHex[byte & 15];
     }
-    return id;
+    return text;
 }
 
 std::string cannedAnswer(const proto::Problem& problem, const std::string& requestId) {

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <map>
 
+#include "server/ops/api_keys.h"
 #include "server/ops/machine.h"
 #include "server/ops/settings.h"
 
@@ -24,6 +25,9 @@ public:
         app_.set_version_flag("--version", std::string("rivage-server ") + RIVAGE_VERSION);
         app_.add_flag("--print-config", printConfig_, "print the settings in force and exit")
             ->configurable(false);
+        app_.add_flag("--hash-key{caller}", hashKey_,
+                      "read a key from stdin, print its line for --api-keys, as --hash-key=NAME")
+            ->configurable(false);
         addAddresses();
         addAccess();
         addConnections();
@@ -34,6 +38,8 @@ public:
 
     CLI::App& app() { return app_; }
     [[nodiscard]] bool printConfig() const { return printConfig_; }
+
+    [[nodiscard]] const std::string& hashKey() const { return hashKey_; }
 
     /// After parsing: what could be stored only when all of it was there.
     void finish() {
@@ -217,6 +223,7 @@ private:
     std::map<std::string, std::string> texts_;
     std::map<std::string, std::vector<std::string>*> lists_;
     bool printConfig_ = false;
+    std::string hashKey_;
 };
 
 Settings machineDefaults() {
@@ -243,6 +250,16 @@ CommandLine refused(CommandLine line, const std::string& mistake) {
     return line;
 }
 
+CommandLine hashKey(CommandLine line, const std::string& name) {
+    std::string key;
+    std::getline(std::cin, key);
+    const auto text = keyLine(name, key);
+    if (!text) return refused(std::move(line), text.error().message);
+    std::cout << *text << '\n';
+    line.exitCode = 0;
+    return line;
+}
+
 }  // namespace
 
 CommandLine readCommandLine(int count, const char* const* arguments) {
@@ -255,6 +272,7 @@ CommandLine readCommandLine(int count, const char* const* arguments) {
         line.exitCode = code == 0 ? 0 : 2;
         return line;
     }
+    if (!flags.hashKey().empty()) return hashKey(std::move(line), flags.hashKey());
     flags.finish();
     if (const std::string mistake = unknownVariable(environment(), flags.variables());
         !mistake.empty())

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "proto/option_table.h"
+#include "server/ops/api_keys.h"
 
 namespace rivage::server {
 namespace {
@@ -98,6 +99,9 @@ std::string unknownVariable(const std::vector<std::string>& variables,
 core::Result<void> checkSettings(const Settings& settings) {
     if (auto tls = checkTls(settings); !tls) return tls;
     if (auto folder = checkFolder("--state-dir", settings.stateDir); !folder) return folder;
+    if (!settings.apiKeys.empty())
+        if (const auto ring = KeyRing::load(settings.apiKeys); !ring)
+            return fail(ErrorCode::invalidOption, "--api-keys: " + ring.error().message);
     if (settings.uploadBudget != 0 && settings.uploadBudget < settings.maxUpload)
         return fail(ErrorCode::invalidOption,
                     "--upload-budget is less than one upload of --max-upload bytes");

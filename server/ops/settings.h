@@ -8,8 +8,8 @@
 
 #include "core/base/run_context.h"
 #include "proto/job.h"
-#include "server/net/address.h"
 #include "server/jobs/job_pool.h"
+#include "server/net/address.h"
 #include "server/ops/units.h"
 
 namespace rivage::server {

@@ -114,10 +114,10 @@ server::Engine fakeEngine(Gate& gate) {
 }
 
 server::Samples fakeSamples() {
-    return {{"dot"}, [](const std::string&) {
-                return core::Result<std::vector<std::byte>>(
-                    std::vector<std::byte>(3, std::byte{'v'}));
-            }};
+    return {
+        {"dot"}, [](const std::string&) {
+            return core::Result<std::vector<std::byte>>(std::vector<std::byte>(3, std::byte{'v'}));
+        }};
 }
 
 }  // namespace rivage::test

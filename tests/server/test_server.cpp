@@ -46,7 +46,11 @@ TestServer::TestServer(const TestSettings& settings) {
     limits.maxUploadBytes = settings.maxUpload;
     limits.workers = settings.workers;
     service = std::make_unique<server::Service>(*pool, limits, fakeSamples());
-    service->readTimeout = settings.readTimeout;
+    service->uploads.limit = settings.uploadBudget;
+    service->corsOrigins = settings.corsOrigins;
+    if (!settings.keys.empty())
+        service->access = std::make_shared<server::Access>(
+            std::make_shared<server::KeyRing>(server::KeyRing::parse(settings.keys).value()));
     server::HttpSettings httpSettings;
     httpSettings.net = settings.net;
     httpSettings.net.bodyGrace = settings.readTimeout;
@@ -113,7 +117,7 @@ bool TestServer::waitRunning(int count) const {
 
 proto::Json bodyOf(const httplib::Result& result) {
     REQUIRE(result);
-    const auto json = proto::readJson(result->body, "");
+    const auto json = proto::readJson(result->body, "", {.maxBytes = 1 << 20});
     REQUIRE_MESSAGE(json, result->body);
     return *json;
 }

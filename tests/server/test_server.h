@@ -23,6 +23,9 @@ struct TestSettings {
     std::chrono::seconds readTimeout{2};
     std::string listen = "127.0.0.1:0";
     server::NetLimits net = {};
+    std::string keys = {};  ///< text of a key file; empty: everybody may call
+    std::vector<std::string> corsOrigins = {};
+    std::uint64_t uploadBudget = 1 << 30;
 };
 
 /// A server on a free loopback port with an engine that does what the grid says.

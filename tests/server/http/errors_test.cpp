@@ -127,7 +127,7 @@ TEST_CASE("errors: encodings") {
     REQUIRE(packed);
     CHECK(packed->body == "asset of ok");
     CHECK(client.Post(kRoute, {{"Content-Encoding", "identity"}}, "ok", kBytes)->status == 200);
-    for (const char* encoding : {"zstd", "br", "gzip, gzip", "rot13"})
+    for (const char* encoding : {"br", "gzip, gzip", "rot13"})
         checkProblem(client.Post(kRoute, {{"Content-Encoding", encoding}}, "ok", kBytes), 415,
                      "unsupported-encoding");
     checkProblem(client.Post(kRoute, {{"Content-Encoding", "gzip"}}, "no gzip", kBytes), 400,

@@ -203,7 +203,7 @@ TEST_CASE("JobPool: without room a durable job is refused; one that ended is sav
     const test::TemporaryFolder folder;
     std::string id;
     {
-        Process process(folder.path());
+        Process process(folder.path(), {.workers = 2});
         const auto job = process.submit("slow");
         id = job->id();
         process.store->full = true;
