@@ -111,6 +111,7 @@ private:
 core::Result<void> Server::start() {
     service_.uploads.limit = serving_.settings.uploadBytes();
     service_.corsOrigins = serving_.settings.corsOrigins;
+    if (const auto& recovered = pool_.recovered(); !recovered) return recovered;
     if (auto loaded = loadTls(); !loaded) return loaded;
     if (auto loaded = loadKeys(); !loaded) return loaded;
     if (serving_.admin) {

@@ -119,7 +119,7 @@ void getPreview(Exchange& exchange) {
     response.set_header("ETag", preview->surface->etag);
     response.set_header("Cache-Control", "no-store");
     response.set_header("Rivage-Preview-Step", std::to_string(preview->step));
-    if (matchesEtag(exchange.request.get_header_value("If-None-Match"), preview->surface->etag)) {
+    if (matchesEtag(listField(exchange.request, "If-None-Match"), preview->surface->etag)) {
         response.status = 304;
         return;
     }

@@ -3,6 +3,8 @@
 #include <httplib.h>
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "proto/problem.h"
 #include "server/http/service.h"
@@ -31,11 +33,18 @@ inline constexpr int kClientClosed = 499;
 
 void writeJson(httplib::Response& response, int status, const proto::Json& json);
 
-/// Answers with a problem; 503 says when to come back.
+/// Answers with a problem; those that time heals say when to come back.
 void writeProblem(const Service& service, httplib::Response& response,
                   const proto::Problem& problem);
 void writeProblem(Exchange& exchange, const proto::Problem& problem);
 void writeError(Exchange& exchange, const core::Error& error);
+
+/// The value of a header that is a list, from all fields of its name.
+[[nodiscard]] std::string listField(const httplib::Request& request, const std::string& name);
+
+/// The query parameters as they were sent, also those that are sent twice.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> queryOf(
+    const httplib::Request& request);
 
 /// Refuses query parameters that the route does not know: nothing is ignored in silence.
 /// @errors malformedRequest

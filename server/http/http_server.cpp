@@ -1,5 +1,6 @@
 #include "server/http/http_server.h"
 
+#include <cctype>
 #include <memory>
 #include <utility>
 
@@ -34,6 +35,12 @@ const WebAsset* findAsset(std::span<const WebAsset> assets, const std::string& p
     for (const WebAsset& asset : assets)
         if (asset.path == path) return &asset;
     return nullptr;
+}
+
+bool expectsTheUnknown(const httplib::Request& request) {
+    std::string expectation = request.get_header_value("Expect");
+    for (char& c : expectation) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return !expectation.empty() && expectation != "100-continue";
 }
 
 const Route* findRoute(const std::string& method, const std::string& path) {
@@ -71,12 +78,8 @@ void HttpServer::setLimits() {
 void HttpServer::setHooks() {
     server_.set_expect_100_continue_handler(
         [this](const httplib::Request& request, httplib::Response& response) {
-            const Route* route = findRoute(request.method, request.path);
-            begin(request, response);
-            const bool upload = route && route->upload;
-            if (refusesCaller(service_, request, response, upload)) return response.status;
-            if (upload && refusesUpload(request, response)) return response.status;
-            return 100;
+            const bool refused = beforeRouting(request, response) == Verdict::Handled;
+            return refused ? response.status : 100;
         });
     server_.set_pre_routing_handler(
         [this](const httplib::Request& request, httplib::Response& response) {
@@ -140,6 +143,10 @@ void HttpServer::begin(const httplib::Request& request, httplib::Response& respo
 HttpServer::Verdict HttpServer::beforeRouting(const httplib::Request& request,
                                               httplib::Response& response) {
     begin(request, response);
+    if (expectsTheUnknown(request)) {
+        writeProblem(service_, response, {proto::transportProblemType(417)});
+        return Verdict::Handled;
+    }
     const bool reads = request.method == "GET" || request.method == "HEAD";
     const WebAsset* asset = findAsset(service_.assets, request.path);
     if (asset && reads) {
@@ -176,6 +183,10 @@ HttpServer::Verdict HttpServer::beforeRouting(const httplib::Request& request,
 /// that it is given back however the request ends. Called again after Expect: 100-continue.
 bool HttpServer::refusesUpload(const httplib::Request& request, httplib::Response& response) {
     if (response.user_data.has("ticket")) return false;
+    if (const auto checked = checkSubmission(request); !checked) {
+        writeProblem(service_, response, checked.error());
+        return true;
+    }
     if (const auto admitted = admitUpload(request, response, service_); !admitted) {
         writeProblem(service_, response, admitted.error());
         return true;
@@ -199,6 +210,8 @@ void HttpServer::explain(const httplib::Request& request, httplib::Response& res
     if (!response.body.empty() || response.status == kClientClosed) return;
     proto::Problem problem{proto::transportProblemType(response.status)};
     problem.type.status = response.status;
+    for (const char* name : {"Content-Digest", "Repr-Digest", "Content-Disposition"})
+        response.headers.erase(name);  // of the result that this problem stands in for
     if (response.status == 413) {
         problem.detail = "the body has more bytes than the server accepts";
         problem.limit = service_.limits.maxUploadBytes;

@@ -19,7 +19,7 @@ void writeAsset(const httplib::Request& request, httplib::Response& response,
     response.set_header("Cache-Control", "no-cache");
     if (asset.mime.starts_with("text/html"))
         response.set_header("Content-Security-Policy", kPagePolicy);
-    if (matchesEtag(request.get_header_value("If-None-Match"), std::string(asset.etag))) {
+    if (matchesEtag(listField(request, "If-None-Match"), std::string(asset.etag))) {
         response.status = 304;
         response.set_header("Content-Length", std::to_string(asset.bytes.size()));
         return;

@@ -45,7 +45,7 @@ core::Result<JobQuery> readJobQuery(const httplib::Request& request) {
 void applyConditions(Exchange& exchange, const JobResult& result) {
     const httplib::Request& request = exchange.request;
     httplib::Response& response = exchange.response;
-    if (matchesEtag(request.get_header_value("If-None-Match"), result.etag)) {
+    if (matchesEtag(listField(request, "If-None-Match"), result.etag)) {
         response.status = 304;
         response.headers.erase("Content-Digest");
         response.set_header("Content-Length", std::to_string(result.size()));
@@ -55,6 +55,11 @@ void applyConditions(Exchange& exchange, const JobResult& result) {
     }
     const std::string ifRange = request.get_header_value("If-Range");
     if (request.ranges.empty() || (!ifRange.empty() && ifRange != result.etag)) return;
+    // More than there is from the end is all of it, which the library takes for an error. The
+    // request is an object that is not const; only handlers see it so.
+    const auto size = static_cast<ssize_t>(result.size());
+    for (auto& [begin, end] : const_cast<httplib::Request&>(request).ranges)
+        if (begin == -1 && end > size) end = size;
     // Without a status, the library answers 206 to a Range.
     response.headers.erase("Content-Digest");
     response.status = -1;
@@ -84,7 +89,7 @@ void getJob(Exchange& exchange) {
     const auto job = findJob(exchange);
     if (!job) return writeError(exchange, job.error());
     Service& service = exchange.service;
-    const Prefer prefer = parsePrefer(exchange.request.get_header_value("Prefer"));
+    const Prefer prefer = parsePrefer(listField(exchange.request, "Prefer"));
     if (prefer.wait) {
         exchange.response.set_header("Preference-Applied",
                                      "wait=" + std::to_string(prefer.wait->count()));

@@ -27,6 +27,10 @@ struct Route {
 /// The methods that a path takes, for `Allow`; empty if there is no such path.
 [[nodiscard]] std::string allowedMethods(std::string_view path);
 
+/// What can be said about a new job before its body: options in the query, the idempotency key.
+/// @errors as parseOptions; malformedRequest
+Answer<void> checkSubmission(const httplib::Request& request);
+
 // POST /v1/regularize, /v1/jobs, /v1/inspect
 void postRegularize(Exchange& exchange);
 void postJob(Exchange& exchange);

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cctype>
 #include <utility>
 
 #include "server/http/job_answers.h"
@@ -18,8 +20,25 @@ constexpr std::chrono::milliseconds kPollInterval{50};
 /// Query parameters are options, whatever their name.
 std::vector<proto::OptionText> queryOptions(const httplib::Request& request) {
     std::vector<proto::OptionText> options;
-    for (const auto& [name, value] : request.params) options.push_back({name, value});
+    for (auto& [name, value] : queryOf(request))
+        options.push_back({std::move(name), std::move(value)});
     return options;
+}
+
+/// The idempotency key of a request, or nothing. @errors malformedRequest
+core::Result<std::string> idempotencyKeyOf(const httplib::Request& request) {
+    if (!request.has_header("Idempotency-Key")) return std::string();
+    if (request.get_header_value_count("Idempotency-Key") > 1)
+        return core::fail(ErrorCode::malformedRequest, "there is more than one Idempotency-Key",
+                          "/headers/idempotency-key");
+    return readIdempotencyKey(request.get_header_value("Idempotency-Key"));
+}
+
+bool asksForFreshResult(const httplib::Request& request) {
+    std::string control = listField(request, "Cache-Control");
+    std::transform(control.begin(), control.end(), control.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return control.find("no-cache") != std::string::npos;
 }
 
 /// Reads grid and options. What can be refused before the body is read, is.
@@ -39,8 +58,7 @@ Answer<JobRequest> readRequest(Exchange& exchange, JobKind kind) {
     request.owner = exchange.owner;
     request.traceparent = exchange.traceparent;
     request.requestId = exchange.response.get_header_value("X-Request-ID");
-    const std::string cache = exchange.request.get_header_value("Cache-Control");
-    request.fresh = cache.find("no-cache") != std::string::npos;
+    request.fresh = asksForFreshResult(exchange.request);
     return request;
 }
 
@@ -71,18 +89,16 @@ const char* cacheStatus(Reuse reuse) {
 Answer<std::shared_ptr<Job>> acceptJob(Exchange& exchange, JobKind kind, bool durable) {
     JobPool& pool = exchange.service.pool;
     IdempotencyKeys::Lookup known;
-    std::string key;
-    if (kind == JobKind::convert && exchange.request.has_header("Idempotency-Key")) {
-        auto read = readIdempotencyKey(exchange.request.get_header_value("Idempotency-Key"));
-        if (!read) return problem(read.error());
-        key = *std::move(read);
-        auto lookup = pool.idempotency().claim(exchange.owner, key);
+    const auto key = idempotencyKeyOf(exchange.request);
+    if (!key) return problem(key.error());
+    if (kind == JobKind::convert && !key->empty()) {
+        auto lookup = pool.idempotency().claim(exchange.owner, *key);
         if (!lookup) return problem(lookup.error());
         known = *std::move(lookup);
     }
     auto request = readRequest(exchange, kind);
     if (!request) return tl::unexpected(request.error());
-    request->idempotencyKey = key;
+    request->idempotencyKey = *key;
     request->durable = durable;
     Answer<std::shared_ptr<Job>> job;
     if (known.job) {
@@ -148,9 +164,17 @@ void writePromise(Exchange& exchange, const std::shared_ptr<Job>& job) {
 
 }  // namespace
 
+Answer<void> checkSubmission(const httplib::Request& request) {
+    if (const auto key = idempotencyKeyOf(request); !key) return problem(key.error());
+    if (request.is_multipart_form_data()) return {};  // its options part may still complete them
+    if (const auto options = proto::parseOptions(queryOptions(request)); !options)
+        return problem(options.error());
+    return {};
+}
+
 /// POST /v1/regularize -> 200 artifact | 202 job | a problem
 void postRegularize(Exchange& exchange) {
-    const Prefer prefer = parsePrefer(exchange.request.get_header_value("Prefer"));
+    const Prefer prefer = parsePrefer(listField(exchange.request, "Prefer"));
     if (const std::string applied = prefer.applied(); !applied.empty())
         exchange.response.set_header("Preference-Applied", applied);
     const bool atOnce = prefer.wait ? prefer.wait->count() == 0 : prefer.respondAsync;

@@ -120,13 +120,13 @@ JobIndex::Changes JobIndex::takeChanges() {
     return std::exchange(changes_, {});
 }
 
-bool JobIndex::needs(const std::string& hex) const {
+std::set<std::string> JobIndex::needed() const {
+    std::set<std::string> needed;
     const std::lock_guard lock(mutex_);
-    if (results_.contains(hex)) return true;
-    return std::any_of(jobs_.begin(), jobs_.end(), [&](const auto& item) {
-        const Job& job = *item.second;
-        return job.facts().inputSha256 == hex && !proto::hasEnded(job.state());
-    });
+    for (const auto& [hex, kept] : results_) needed.insert(hex);
+    for (const auto& [id, job] : jobs_)
+        if (!proto::hasEnded(job->state())) needed.insert(job->facts().inputSha256);
+    return needed;
 }
 
 }  // namespace rivage::server

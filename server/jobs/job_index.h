@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -52,8 +53,8 @@ public:
         std::vector<std::shared_ptr<Job>> changed;  ///< those without their result now
     };
     [[nodiscard]] Changes takeChanges();
-    /// Whether a job needs the blob with this sha-256 (hex).
-    [[nodiscard]] bool needs(const std::string& hex) const;
+    /// The blobs that jobs need, by their sha-256 (hex): grids until the end, results after it.
+    [[nodiscard]] std::set<std::string> needed() const;
 
 private:
     struct Ended {

@@ -37,7 +37,7 @@ JobPool::JobPool(const PoolSettings& settings, Engine engine, Observer observer,
       storage_(storage),
       queue_(std::make_unique<LocalJobQueue>()),
       index_(settings.store) {
-    recover();
+    recovered_ = recover();
     for (std::size_t i = 0; i < settings_.workers; ++i)
         threads_.emplace_back([this, i] { work(i); });
     threads_.emplace_back([this] { tidy(); });
@@ -248,7 +248,7 @@ void JobPool::forget(const Job& job) {
 std::vector<std::shared_ptr<Task>> JobPool::tasks() const {
     auto tasks = queue_->waiting();
     const std::lock_guard lock(mutex_);
-    tasks.insert(tasks.end(), running_.begin(), running_.end());
+    for (const Run& run : running_) tasks.push_back(run.task);
     return tasks;
 }
 
@@ -287,7 +287,7 @@ PoolStats JobPool::stats() const {
     PoolStats stats = stats_;
     stats.queued = queued;
     stats.running = running_.size();
-    for (const auto& task : running_)
+    for (const auto& [task, slot] : running_)
         stats.silence =
             std::max(stats.silence,
                      std::chrono::duration_cast<std::chrono::milliseconds>(now - task->lastPoll()));

@@ -121,6 +121,8 @@ public:
     JobPool& operator=(const JobPool&) = delete;
 
     [[nodiscard]] const PoolSettings& settings() const { return settings_; }
+    /// Whether the storage could be read. @errors those of `JobStore::load`
+    [[nodiscard]] const core::Result<void>& recovered() const { return recovered_; }
     [[nodiscard]] IdempotencyKeys& idempotency() { return idempotency_; }
 
     /// Asks for a place. @errors busy; draining
@@ -173,7 +175,7 @@ private:
     core::Result<void> keepBytes(const Blob& blob);
     core::Result<void> save(const Job& job);
 
-    void recover();
+    core::Result<void> recover();
     void recover(const JobRecord& record);
     void work(std::size_t slot);
     core::Result<core::Artifact> run(Task& task);
@@ -188,6 +190,7 @@ private:
     void expireJobs(Clock::time_point now);
     void tellPositions();
     void keepRecords();
+    void collectBlobs(Clock::time_point now);
     void watch(Clock::time_point now);
 
     const PoolSettings settings_;
@@ -205,11 +208,18 @@ private:
     std::atomic<bool> draining_{false};
     std::atomic<bool> stopping_{false};
     std::atomic<bool> stuck_{false};
+    std::atomic<bool> superfluous_{false};  ///< there may be blobs that nobody needs
+    Clock::time_point collected_;
+    core::Result<void> recovered_;
 
     std::mutex saving_;         ///< held while a record is made and written
     mutable std::mutex mutex_;  ///< of what follows
     PoolStats stats_;
-    std::vector<std::shared_ptr<Task>> running_;
+    struct Run {
+        std::shared_ptr<Task> task;
+        std::size_t slot;  ///< of its worker
+    };
+    std::vector<Run> running_;
     std::map<std::string, std::size_t> unfinished_;  ///< jobs, by owner
     std::vector<std::shared_ptr<Job>> unsaved_;      ///< ended, but the store had no room
     std::vector<const Task*> positions_;             ///< of the queue, as it was last told

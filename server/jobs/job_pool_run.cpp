@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <new>
+#include <set>
 #include <utility>
 
 #include "server/jobs/job_pool.h"
@@ -17,16 +18,20 @@ using proto::JobState;
 
 /// How often deadlines, places in the queue and times to live are looked at.
 constexpr std::chrono::milliseconds kTidyInterval{50};
+/// How often blobs that nobody needs are looked for, at most.
+constexpr std::chrono::seconds kCollectInterval{1};
 
 }  // namespace
 
-/// Before any thread runs. A store that cannot be read is refused where it is opened.
-void JobPool::recover() {
-    if (!storage_.jobs) return;
+/// Before any thread runs.
+core::Result<void> JobPool::recover() {
+    if (!storage_.jobs) return {};
     const auto records = storage_.jobs->load();
-    if (!records) return;
+    if (!records) return fail(records.error());
     for (const JobRecord& record : *records) recover(record);
     keepRecords();
+    superfluous_ = true;
+    return {};
 }
 
 void JobPool::recover(const JobRecord& record) {
@@ -63,7 +68,7 @@ void JobPool::work(std::size_t slot) {
     while (const std::shared_ptr<Task> task = queue_->pop()) {
         {
             const std::lock_guard lock(mutex_);
-            running_.push_back(task);
+            running_.push_back({task, slot});
         }
         if (stopping_) stopAll();
         if (task->start() && !task->stopRequested()) {
@@ -75,7 +80,7 @@ void JobPool::work(std::size_t slot) {
         }
         {
             const std::lock_guard lock(mutex_);
-            std::erase(running_, task);
+            std::erase_if(running_, [&](const Run& run) { return run.slot == slot; });
         }
         queue_->done(*task);
     }
@@ -142,6 +147,7 @@ void JobPool::settle(Task& task, core::Result<core::Artifact> artifact) {
         ended.push_back(job);
         return outcome.result != nullptr;
     });
+    task.releasePlace();  // so that whoever has seen the end finds it free
     for (const auto& job : ended) conclude(job);
     if (ended.empty() || !outcome.result) return;
     double seconds = 0;
@@ -166,6 +172,7 @@ void JobPool::conclude(const std::shared_ptr<Job>& job) {
         if (--owner->second == 0) unfinished_.erase(owner);
         untrimmed_ = true;
     }
+    superfluous_ = true;  // its grid
     if (observer_) observer_(job->facts(), snapshot);
     job->announce();
 }
@@ -180,6 +187,7 @@ void JobPool::tidy() {
         tellPositions();
         index_.sweep(now);
         keepRecords();
+        collectBlobs(now);
         known_.sweep();
         idempotency_.sweep();
         watch(now);
@@ -227,16 +235,27 @@ void JobPool::keepRecords() {
         unsaved_.push_back(job);
     }
     if (!changes.gone.empty()) (void)storage_.jobs->erase(changes.gone);
-    if (!changes.gone.empty() || !changes.changed.empty())
-        storage_.blobs->collect([this](const std::string& hex) { return index_.needs(hex); });
+    if (!changes.gone.empty() || !changes.changed.empty()) superfluous_ = true;
+}
+
+/// Removes blobs that no job needs any more, now and then.
+void JobPool::collectBlobs(Clock::time_point now) {
+    if (!storage_.blobs || now - collected_ < kCollectInterval) return;
+    if (!superfluous_.exchange(false)) return;
+    collected_ = now;
+    const std::set<std::string> needed = index_.needed();
+    storage_.blobs->collect([&](const std::string& hex) { return needed.contains(hex); });
 }
 
 /// A worker that has not listened for long after the last deadline of its run will not come back.
 void JobPool::watch(Clock::time_point now) {
     if (settings_.watchdog.count() == 0) return;
     const std::lock_guard lock(mutex_);
-    for (const auto& task : running_)
-        if (task->abandonedFor(now) > settings_.watchdog) stuck_ = true;
+    for (const Run& run : running_) {
+        if (run.task->abandonedFor(now) <= settings_.watchdog) continue;
+        if (storage_.crashes) storage_.crashes->accuse(run.slot);
+        stuck_ = true;
+    }
 }
 
 }  // namespace rivage::server

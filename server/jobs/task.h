@@ -26,6 +26,8 @@ public:
     [[nodiscard]] const std::string& key() const { return key_; }
     [[nodiscard]] const BlobPtr& input() const { return input_; }
     [[nodiscard]] const std::shared_ptr<void>& place() const { return place_; }
+    /// Gives the place back before the task is gone; by its worker only.
+    void releasePlace() { place_.reset(); }
     [[nodiscard]] const proto::JobOptions& options() const { return options_; }
     [[nodiscard]] bool suspect() const { return suspect_; }
 
@@ -63,7 +65,7 @@ private:
     const std::string key_;
     const BlobPtr input_;
     const proto::JobOptions options_;
-    const std::shared_ptr<void> place_;
+    std::shared_ptr<void> place_;
     const bool suspect_;
     std::atomic<bool> abandoned_{false};
     std::atomic<std::size_t> wanted_{0};  ///< jobs that have not left

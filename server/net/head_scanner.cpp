@@ -38,9 +38,16 @@ int HeadScanner::refusal(std::string_view bytes, char previous, char c) const {
     return isForbidden(c) || folded || noMethod || brokenEnd ? 400 : 0;
 }
 
-/// @return false if the line says again, or not clearly, how long the body is
+/// @return false if the line is no request line, or says again, or not clearly, whom the request is
+///         for or how long its body is
 bool HeadScanner::endLine(std::string_view line) {
-    ++lines_;
+    if (lines_++ == 0) {
+        old_ = line.ends_with(" HTTP/1.0\r\n");
+        return std::count(line.begin(), line.end(), ' ') == 2;
+    }
+    if (isField(line, "host")) return ++hosts_ == 1;
+    if (isField(line, "transfer-encoding") && line.find(',') != std::string_view::npos)
+        return false;
     const bool length = isField(line, "content-length");
     if (length || isField(line, "transfer-encoding")) ++framings_;
     return framings_ <= 1 && (!length || isNumber(line));
@@ -56,6 +63,7 @@ HeadVerdict HeadScanner::scan(std::string_view bytes, const NetLimits& limits) {
         if (length > limits.lineBytes) return {false, lines_ == 0 ? 414 : 431, limits.lineBytes};
         if (at_ > limits.headBytes) return {false, 431, limits.headBytes};
         if (c != '\n') continue;
+        if (length == 2 && hosts_ == 0 && !old_) return {false, 400, 0};
         if (length == 2) return {true, 0, 0};
         if (!endLine(bytes.substr(lineStart_, length))) return {false, 400, 0};
         lineStart_ = at_;

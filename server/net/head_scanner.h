@@ -17,7 +17,7 @@ struct HeadVerdict {
 
 /// Finds the end of a request's head, and refuses at the first byte that no good head has: the
 /// limits, and what HTTP parsers read in different ways (bare CR and LF, folded lines, NUL, two
-/// lengths). Everything else is left to the parser.
+/// lengths, no host or two). Everything else is left to the parser.
 class HeadScanner {
 public:
     /// @param bytes  all that has come of this request, from its first byte on
@@ -35,6 +35,8 @@ private:
     std::size_t lineStart_ = 0;
     std::size_t lines_ = 0;
     int framings_ = 0;  ///< lines that say how long the body is
+    int hosts_ = 0;     ///< lines that say whom the request is for
+    bool old_ = false;  ///< HTTP/1.0, which need not say it
 };
 
 }  // namespace rivage::server
