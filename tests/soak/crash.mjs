@@ -24,7 +24,7 @@ export async function drive(build, times = 100) {
   const makeText = (name) => chance() < 0.2 ?
     `big:${Math.floor(3e5 * chance())} ${name}` : `hold:${Math.floor(60 * chance())} ${name}`;
   let server = await new Server(build, folder).started();
-  const load = new Load(() => server, {makeText, pause: 60});
+  const load = new Load(() => server, {makeText, pause: 250});
   const restarts = [];
   for (let i = 0; i < times; ++i) restarts.push(await killOnce(server, chance));
   await load.stop();
