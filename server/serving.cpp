@@ -16,6 +16,7 @@
 #include "server/net/tls.h"
 #include "server/ops/log.h"
 #include "server/ops/machine.h"
+#include "server/ops/metrics.h"
 #include "server/ops/signals.h"
 #include "server/web/assets.h"
 
@@ -55,7 +56,7 @@ PoolSettings poolSettings(const Settings& settings) {
     return pool;
 }
 
-HttpSettings httpSettings(const Settings& settings) {
+HttpSettings httpSettings(const Settings& settings, Metrics& metrics) {
     HttpSettings http;
     http.net.connections = settings.connections;
     http.net.headTimeout = settings.headerTimeout;
@@ -64,7 +65,10 @@ HttpSettings httpSettings(const Settings& settings) {
     http.net.writeGrace = settings.writeTimeout;
     http.net.idleTimeout = settings.idleTimeout;
     http.trustedProxies = settings.trustedProxies;
-    http.observer = logRequest;
+    http.observer = [&metrics](const RequestRecord& record) {
+        logRequest(record);
+        metrics.requestEnded(record);
+    };
     return http;
 }
 
@@ -73,7 +77,11 @@ class Server {
 public:
     Server(const Serving& serving, const Stores& stores)
         : serving_(serving),
-          pool_(poolSettings(serving.settings), serving.engine, logJob,
+          pool_(poolSettings(serving.settings), serving.engine,
+                [this](const JobFacts& facts, const JobSnapshot& job) {
+                    logJob(facts, job);
+                    metrics_.jobEnded(job);
+                },
                 {stores.blobs.get(), stores.jobs.get(), &serving.crashes}),
           service_{.pool = pool_,
                    .limits = serving.settings.limits(),
@@ -82,7 +90,7 @@ public:
                    .longPolls = serving.settings.longPolls,
                    .streams = serving.settings.streams,
                    .restarts = serving.supervision.restarts},
-          http_(httpSettings(serving.settings), service_),
+          http_(httpSettings(serving.settings, metrics_), service_),
           admin_(service_),
           signals_(serving.settings.supervise ? ::getppid() : 0) {}
 
@@ -100,6 +108,7 @@ private:
     [[noreturn]] void endAtOnce() const;
 
     const Serving& serving_;
+    Metrics metrics_;
     JobPool pool_;
     Service service_;
     std::unique_ptr<TlsContext> tls_;
@@ -111,6 +120,9 @@ private:
 core::Result<void> Server::start() {
     service_.uploads.limit = serving_.settings.uploadBytes();
     service_.corsOrigins = serving_.settings.corsOrigins;
+    service_.metrics = &metrics_;
+    service_.net = &http_.front().stats();
+    service_.loopBeat = [this] { return http_.front().lastBeat(); };
     if (const auto& recovered = pool_.recovered(); !recovered) return recovered;
     if (auto loaded = loadTls(); !loaded) return loaded;
     if (auto loaded = loadKeys(); !loaded) return loaded;

@@ -30,6 +30,7 @@ std::string presentedKey(const httplib::Request& request) {
 
 void refuseByQuota(Service& service, httplib::Response& response, const std::string& policy,
                    const std::string& state, std::chrono::seconds retryAfter, core::Error error) {
+    ++service.rejectedQuota;
     response.set_header("RateLimit-Policy", policy);
     response.set_header("RateLimit", state);
     response.set_header("Retry-After", std::to_string(retryAfter.count()));

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "server/http/exchange.h"
-#include "server/http/metrics.h"
+#include "server/ops/metrics.h"
 
 namespace rivage::server {
 namespace {
@@ -21,12 +21,33 @@ NetLimits adminLimits() {
     return limits;
 }
 
+/// So long the loop may show no life before it counts as stuck.
+constexpr std::chrono::seconds kLongestSilence{15};
+
+/// What has shown no life for too long, or null.
+const char* whatIsStuck(const Service& service) {
+    if (service.loopBeat && Clock::now() - service.loopBeat() > kLongestSilence)
+        return "the connection loop is stuck";
+    if (service.pool.stuck()) return "a worker is stuck";
+    return nullptr;
+}
+
+void writeUnready(const Service& service, httplib::Response& response, const char* reason) {
+    proto::Problem problem{proto::problemType(ErrorCode::internal), reason};
+    problem.type.status = 503;
+    writeProblem(service, response, problem);
+}
+
 }  // namespace
 
 AdminServer::AdminServer(Service& service) : front_(adminLimits(), server_) {
     server_.set_payload_max_length(1024);
-    server_.Get("/livez", [](const httplib::Request&, httplib::Response& response) {
+    server_.Get("/livez", [&service](const httplib::Request&, httplib::Response& response) {
+        if (const char* stuck = whatIsStuck(service)) return writeUnready(service, response, stuck);
         writeJson(response, 200, {{"status", "alive"}});
+    });
+    server_.Get("/startupz", [](const httplib::Request&, httplib::Response& response) {
+        writeJson(response, 200, {{"status", "started"}});
     });
     server_.Get("/readyz", [&service](const httplib::Request&, httplib::Response& response) {
         if (!service.unready && !service.pool.draining())
@@ -35,7 +56,9 @@ AdminServer::AdminServer(Service& service) : front_(adminLimits(), server_) {
                      proto::makeProblem({ErrorCode::draining, "the server is stopping"}));
     });
     server_.Get("/metrics", [&service](const httplib::Request&, httplib::Response& response) {
-        response.set_content(metricsText(service.pool), "text/plain; version=0.0.4");
+        Metrics empty;
+        Metrics& metrics = service.metrics ? *service.metrics : empty;
+        response.set_content(metrics.text(service), "text/plain; version=0.0.4; charset=utf-8");
     });
     server_.set_error_handler(
         [&service](const httplib::Request& request, httplib::Response& response) {

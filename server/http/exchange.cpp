@@ -29,6 +29,7 @@ void writeJson(httplib::Response& response, int status, const proto::Json& json)
 void writeProblem(const Service& service, httplib::Response& response,
                   const proto::Problem& problem) {
     response.status = problem.type.status;
+    response.user_data.set(kProblemSlug, std::string(problem.type.slug));
     const bool received = problem.type.slug == proto::problemType(ErrorCode::keyInProgress).slug;
     if (problem.type.status == 503 || problem.type.status == 507)
         response.set_header("Retry-After", std::to_string(service.pool.retryAfter().count()));

@@ -31,6 +31,11 @@ using Answer = tl::expected<T, proto::Problem>;
 /// The status that the log shows for a client that left before its answer.
 inline constexpr int kClientClosed = 499;
 
+/// Where the type of the problem that was answered, and the bytes of the body that came, are kept
+/// with the response.
+inline constexpr const char* kProblemSlug = "problem";
+inline constexpr const char* kBytesIn = "bytes-in";
+
 void writeJson(httplib::Response& response, int status, const proto::Json& json);
 
 /// Answers with a problem; those that time heals say when to come back.

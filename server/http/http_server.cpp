@@ -57,7 +57,14 @@ HttpServer::HttpServer(HttpSettings settings, Service& service)
     : settings_(std::move(settings)),
       service_(service),
       front_(settings_.net, server_, [this](int status, const std::string& id) {
-          if (settings_.observer) settings_.observer({id, "-", "-", status});
+          if (!settings_.observer) return;
+          RequestRecord record;
+          record.id = id;
+          record.method = record.route = "-";
+          record.status = status;
+          record.problem = proto::transportProblemType(status).slug;
+          record.outcome = outcomeOf(status, record.problem, false);
+          settings_.observer(record);
       }) {
     setLimits();
     setHooks();
@@ -223,11 +230,9 @@ void HttpServer::explain(const httplib::Request& request, httplib::Response& res
 void HttpServer::observe(const httplib::Request& request, const httplib::Response& response) const {
     if (!settings_.observer) return;
     const auto elapsed = std::chrono::steady_clock::now() - request.start_time_;
-    settings_.observer({response.get_header_value("X-Request-ID"), request.method,
-                        request.matched_route.empty() ? "-" : request.matched_route,
-                        response.status, std::chrono::duration<double, std::milli>(elapsed).count(),
-                        response.body.empty() ? response.content_length_ : response.body.size(),
-                        response.get_header_value("Rivage-Job")});
+    const Route* route = findRoute(request.method, request.path);
+    settings_.observer(recordOf(request, response, route ? route->path : std::string_view("-"),
+                                std::chrono::duration<double, std::milli>(elapsed).count()));
 }
 
 core::Result<void> HttpServer::start(Listener listener, const TlsContext* tls) {

@@ -8,21 +8,11 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "server/http/request_record.h"
 #include "server/http/service.h"
 #include "server/net/front.h"
 
 namespace rivage::server {
-
-/// One answered request, for the log.
-struct RequestRecord {
-    std::string id;
-    std::string method;
-    std::string route;  ///< of the table, or "-"
-    int status = 0;
-    double milliseconds = 0;
-    std::size_t bytes = 0;  ///< of the answer's body
-    std::string job;
-};
 
 struct HttpSettings {
     NetLimits net = {};

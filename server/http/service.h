@@ -13,6 +13,7 @@
 #include "server/http/access.h"
 #include "server/http/upload_budget.h"
 #include "server/jobs/job_pool.h"
+#include "server/net/net_stats.h"
 #include "server/web/assets.h"
 
 namespace rivage::server {
@@ -22,6 +23,8 @@ struct Samples {
     std::vector<std::string> names;
     std::function<core::Result<std::vector<std::byte>>(const std::string& name)> make;
 };
+
+class Metrics;
 
 /// What the handlers work with; it outlives the HTTP server.
 struct Service {
@@ -33,6 +36,11 @@ struct Service {
     std::vector<std::string> corsOrigins = {};
     std::size_t longPolls = 64;  ///< waiting GETs at a time; more are answered at once
     UploadBudget uploads = {};
+    Metrics* metrics = nullptr;     ///< what /metrics answers; null: only what can be read at once
+    const NetStats* net = nullptr;  ///< of the connections; null: nobody counts them
+    /// When the connection loop last showed that it lives; unset: always now.
+    std::function<Clock::time_point()> loopBeat = {};
+    std::atomic<std::uint64_t> rejectedQuota{0};
     std::atomic<std::size_t> waiting{0};
     std::size_t streams = 64;  ///< clients that follow events at a time; more are refused
     std::atomic<std::size_t> streaming{0};

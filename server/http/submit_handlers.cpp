@@ -2,6 +2,7 @@
 #include <cctype>
 #include <utility>
 
+#include "server/http/form_parser.h"
 #include "server/http/job_answers.h"
 #include "server/http/prefer.h"
 #include "server/http/routes.h"
@@ -25,6 +26,10 @@ std::vector<proto::OptionText> queryOptions(const httplib::Request& request) {
     return options;
 }
 
+bool isForm(const httplib::Request& request) {
+    return formBoundary(request.get_header_value("Content-Type")).has_value();
+}
+
 /// The idempotency key of a request, or nothing. @errors malformedRequest
 core::Result<std::string> idempotencyKeyOf(const httplib::Request& request) {
     if (!request.has_header("Idempotency-Key")) return std::string();
@@ -44,7 +49,7 @@ bool asksForFreshResult(const httplib::Request& request) {
 /// Reads grid and options. What can be refused before the body is read, is.
 Answer<JobRequest> readRequest(Exchange& exchange, JobKind kind) {
     const auto query = queryOptions(exchange.request);
-    const bool form = exchange.request.is_multipart_form_data();
+    const bool form = isForm(exchange.request);
     auto options = form ? proto::JobOptions{} : proto::parseOptions(query);
     if (!options) return problem(options.error());
 
@@ -166,7 +171,7 @@ void writePromise(Exchange& exchange, const std::shared_ptr<Job>& job) {
 
 Answer<void> checkSubmission(const httplib::Request& request) {
     if (const auto key = idempotencyKeyOf(request); !key) return problem(key.error());
-    if (request.is_multipart_form_data()) return {};  // its options part may still complete them
+    if (isForm(request)) return {};  // its options part may still complete them
     if (const auto options = proto::parseOptions(queryOptions(request)); !options)
         return problem(options.error());
     return {};

@@ -98,6 +98,8 @@ public:
         });
     }
 
+    [[nodiscard]] std::uint64_t received() const { return received_; }
+
     /// The result, once the transport has ended with `complete`.
     Answer<Upload> finish(bool complete) {
         if (error_) return problem(*error_);
@@ -241,6 +243,7 @@ Answer<Upload> readUpload(Exchange& exchange) {
         complete = (*exchange.body)(
             [&](const char* data, std::size_t size) { return collector.take(data, size); });
     }
+    exchange.response.user_data.set(kBytesIn, collector.received());
     if (bodyTimedOut(exchange.request))
         return tl::unexpected(
             proto::Problem{proto::transportProblemType(408), "the body comes too slowly", "/body"});

@@ -18,30 +18,40 @@ LogFormat& format() {
 std::string shown(const proto::Json& value) {
     if (!value.is_string()) return proto::writeJson(value);
     std::string text = value.get<std::string>();
+    if (text.empty()) return "-";
     for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-    return text.find(' ') == std::string::npos ? text : '"' + text + '"';
+        if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
+    const bool plain = text.find_first_of(" =\"\\") == std::string::npos;
+    return plain ? text : proto::writeJson(text);
 }
 
 void write(spdlog::level::level_enum level, const std::string& event, const proto::Json& facts) {
     if (!spdlog::should_log(level)) return;
-    if (format() == LogFormat::json) {
-        const auto name = spdlog::level::to_string_view(level);
-        proto::Json line{{"time", proto::timestamp(std::chrono::system_clock::now())},
-                         {"level", std::string(name.data(), name.size())},
-                         {"event", event}};
-        line.update(facts);
-        spdlog::log(level, "{}", proto::writeJson(line));
-        return;
-    }
-    std::string line = event;
-    for (const auto& [name, value] : facts.items()) line += " " + name + "=" + shown(value);
-    spdlog::log(level, "{}", line);
+    const auto name = spdlog::level::to_string_view(level);
+    spdlog::log(level, "{}", logLine(format(), {name.data(), name.size()}, event, facts));
+}
+
+std::string traceIdOf(const std::string& traceparent) {
+    return traceparent.size() > 35 ? traceparent.substr(3, 32) : std::string();
 }
 
 double rounded(double milliseconds) { return std::round(milliseconds * 1000) / 1000; }
 
 }  // namespace
+
+std::string logLine(LogFormat chosen, const std::string& level, const std::string& event,
+                    const proto::Json& facts) {
+    if (chosen == LogFormat::json) {
+        proto::Json line{{"time", proto::timestamp(std::chrono::system_clock::now())},
+                         {"level", level},
+                         {"event", event}};
+        line.update(facts);
+        return proto::writeJson(line);
+    }
+    std::string line = event;
+    for (const auto& [name, value] : facts.items()) line += " " + name + "=" + shown(value);
+    return line;
+}
 
 void setUpLog(LogFormat chosen, const std::string& level) {
     format() = chosen;
@@ -62,15 +72,29 @@ void logWarning(const std::string& event, const proto::Json& facts) {
     write(spdlog::level::warn, event, facts);
 }
 
-void logRequest(const RequestRecord& record) {
+proto::Json requestFacts(const RequestRecord& record) {
     proto::Json facts{{"id", record.id},
+                      {"trace_id", record.traceId},
+                      {"span", record.spanId},
+                      {"parent_span", record.parentSpan},
+                      {"caller", record.caller},
                       {"method", record.method},
                       {"route", record.route},
                       {"status", record.status},
+                      {"outcome", record.outcome},
                       {"ms", rounded(record.milliseconds)},
-                      {"bytes", record.bytes}};
+                      {"queue_ms", rounded(record.queueMs)},
+                      {"compute_ms", rounded(record.computeMs)},
+                      {"bytes_in", record.bytesIn},
+                      {"bytes_out", record.bytes}};
     if (!record.job.empty()) facts["job"] = record.job;
-    write(record.status >= 500 ? spdlog::level::warn : spdlog::level::info, "request", facts);
+    if (!record.problem.empty()) facts["problem"] = record.problem;
+    return facts;
+}
+
+void logRequest(const RequestRecord& record) {
+    const bool ours = record.outcome == "server_error" || record.outcome == "engine_error";
+    write(ours ? spdlog::level::warn : spdlog::level::info, "request", requestFacts(record));
 }
 
 void logJob(const JobFacts& about, const JobSnapshot& job) {
@@ -78,6 +102,8 @@ void logJob(const JobFacts& about, const JobSnapshot& job) {
     for (const double stage : job.times.stages) milliseconds += stage;
     proto::Json facts{{"job", job.view.id},
                       {"id", about.requestId},
+                      {"trace_id", traceIdOf(about.traceparent)},
+                      {"caller", about.owner},
                       {"state", proto::stateName(job.view.state)},
                       {"queue_ms", rounded(job.times.queue)},
                       {"ms", rounded(milliseconds)},

@@ -41,7 +41,9 @@ TestServer::TestServer(const TestSettings& settings) {
     poolSettings.queueLimit = settings.queueLimit;
     poolSettings.deadline = settings.deadline;
     poolSettings.store = settings.store;
-    pool = std::make_unique<server::JobPool>(poolSettings, fakeEngine(gate));
+    pool = std::make_unique<server::JobPool>(
+        poolSettings, fakeEngine(gate),
+        [this](const server::JobFacts&, const server::JobSnapshot& job) { metrics.jobEnded(job); });
     proto::ServiceLimits limits;
     limits.maxUploadBytes = settings.maxUpload;
     limits.workers = settings.workers;
@@ -54,7 +56,13 @@ TestServer::TestServer(const TestSettings& settings) {
     server::HttpSettings httpSettings;
     httpSettings.net = settings.net;
     httpSettings.net.bodyGrace = settings.readTimeout;
-    httpSettings.observer = [this](const server::RequestRecord&) { ++records; };
+    service->metrics = &metrics;
+    httpSettings.observer = [this](const server::RequestRecord& record) {
+        metrics.requestEnded(record);
+        const std::lock_guard lock(mutex_);
+        seen_.push_back(record);
+        ++records;
+    };
     http = std::make_unique<server::HttpServer>(httpSettings, *service);
     admin = std::make_unique<server::AdminServer>(*service);
     auto listener = server::listenOn(*server::parseAddress(settings.listen)).value();
@@ -70,6 +78,11 @@ TestServer::~TestServer() {
     http->stop();
     admin->stop();
     server::removeSocketFile(address);
+}
+
+std::vector<server::RequestRecord> TestServer::seen() const {
+    const std::lock_guard lock(mutex_);
+    return seen_;
 }
 
 httplib::Client TestServer::client() const {

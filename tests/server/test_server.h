@@ -4,12 +4,14 @@
 
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "proto/json.h"
 #include "server/http/admin_server.h"
 #include "server/http/http_server.h"
 #include "server/jobs/job_pool.h"
+#include "server/ops/metrics.h"
 #include "tests/server/fake_engine.h"
 
 namespace rivage::test {
@@ -46,6 +48,8 @@ public:
     [[nodiscard]] bool waitRunning(int count) const;
 
     Gate gate;
+    server::Metrics metrics;
+    std::vector<server::RequestRecord> seen() const;
     std::unique_ptr<server::JobPool> pool;
     std::unique_ptr<server::Service> service;
     std::unique_ptr<server::HttpServer> http;
@@ -53,6 +57,10 @@ public:
     server::Address address;
     server::Address adminAddress;
     std::atomic<int> records{0};
+
+private:
+    mutable std::mutex mutex_;
+    std::vector<server::RequestRecord> seen_;
 };
 
 /// The JSON of an answer; fails the test if it is not JSON.

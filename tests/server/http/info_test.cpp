@@ -70,10 +70,12 @@ TEST_CASE("info: /metrics counts what has happened; the admin port has nothing e
     const auto metrics = admin.Get("/metrics");
     REQUIRE(metrics);
     CHECK(metrics->get_header_value("Content-Type").starts_with("text/plain; version=0.0.4"));
-    for (const char* line : {"rivage_jobs_total{outcome=\"succeeded\"} 2\n",
-                             "rivage_jobs_total{outcome=\"failed\"} 1\n", "rivage_queue_depth 0\n",
-                             "rivage_workers 2\n", "# TYPE rivage_jobs_total counter\n",
-                             "process_resident_memory_bytes "})
+    for (const char* line :
+         {"rivage_jobs_total{outcome=\"succeeded\",reason=\"\"} 2\n",
+          "rivage_jobs_total{outcome=\"failed\",reason=\"empty-grid\"} 1\n",
+          "rivage_queue_depth 0\n", "rivage_workers 2\n", "# TYPE rivage_jobs_total counter\n",
+          "rivage_job_stage_duration_seconds_count{stage=\"parse\"} 3\n",
+          "process_resident_memory_bytes "})
         CHECK(metrics->body.find(line) != std::string::npos);
     checkProblem(admin.Get("/v1/jobs"), 404, "not-found");
     checkProblem(client.Get("/metrics"), 404, "not-found");
