@@ -210,6 +210,7 @@ TEST_CASE("Front: an answer survives the bytes that nobody read") {
         client.send(post("/refuse", "Content-Length: 900000\r\n", std::string(900000, 'x')));
         CHECK(client.readAnswer().ends_with("no"));
         CHECK(client.closedWithin(3s));
+        CHECK_FALSE(client.wasReset());
     }
 }
 

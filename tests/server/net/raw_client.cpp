@@ -56,6 +56,7 @@ bool RawClient::receive(Clock::time_point until) {
     char buffer[65536];
     const ssize_t n = ::recv(fd(), buffer, sizeof buffer, 0);
     ended_ = n <= 0;
+    reset_ = n < 0;
     if (n > 0) received_.append(buffer, static_cast<std::size_t>(n));
     return n > 0;
 }

@@ -29,6 +29,8 @@ public:
     std::string readAll(std::chrono::milliseconds time = std::chrono::seconds(5));
     /// Whether the peer has closed, with nothing left to read. Waits that long for it.
     bool closedWithin(std::chrono::milliseconds time);
+    /// Whether the connection ended by a reset, which may cost bytes on their way.
+    [[nodiscard]] bool wasReset() const { return reset_; }
 
 private:
     bool receive(std::chrono::steady_clock::time_point until);
@@ -36,6 +38,7 @@ private:
     server::Fd fd_;
     bool connected_ = false;
     bool ended_ = false;
+    bool reset_ = false;
     std::string received_;
 };
 

@@ -39,6 +39,24 @@ TEST_CASE("stop: what is under way is answered, idle connections are closed, not
     stopper.join();
 }
 
+TEST_CASE("stop: a request that was on its way on an idle connection is answered, as the last") {
+    NetLimits limits;
+    limits.farewell = 1000ms;
+    NetServer server(limits);
+    RawClient client(server.address);
+    client.send(get("/quick"));
+    CHECK(statusOf(client.readAnswer()) == 200);
+    REQUIRE(server.waitFor(Phase::idle, 1));
+    std::thread stopper([&] { server.front->stop(); });
+    std::this_thread::sleep_for(200ms);
+    client.send(get("/quick"));
+    const std::string answer = client.readAnswer();
+    CHECK(statusOf(answer) == 200);
+    CHECK(answer.find("Connection: close") != std::string::npos);
+    client.close();
+    stopper.join();
+}
+
 TEST_CASE("stop: a handler that does not end and a reader that does not read are broken off") {
     NetLimits limits;
     limits.stopTimeout = 300ms;
