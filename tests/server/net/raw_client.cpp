@@ -37,13 +37,14 @@ RawClient::RawClient(const server::Address& address, int receiveBuffer)
     connected_ = connectTo(fd(), address);
 }
 
-void RawClient::send(const std::string& bytes) const {
+bool RawClient::send(const std::string& bytes) const {
     std::size_t sent = 0;
     while (sent < bytes.size()) {
         const ssize_t n = ::send(fd(), bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
-        if (n <= 0) return;
+        if (n <= 0) return false;
         sent += static_cast<std::size_t>(n);
     }
+    return true;
 }
 
 void RawClient::endSending() const { ::shutdown(fd(), SHUT_WR); }
@@ -56,7 +57,6 @@ bool RawClient::receive(Clock::time_point until) {
     char buffer[65536];
     const ssize_t n = ::recv(fd(), buffer, sizeof buffer, 0);
     ended_ = n <= 0;
-    reset_ = n < 0;
     if (n > 0) received_.append(buffer, static_cast<std::size_t>(n));
     return n > 0;
 }

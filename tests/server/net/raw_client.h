@@ -16,7 +16,8 @@ public:
 
     [[nodiscard]] bool connected() const { return connected_; }
     [[nodiscard]] int fd() const { return fd_.get(); }
-    void send(const std::string& bytes) const;
+    /// @return false if the connection is broken
+    bool send(const std::string& bytes) const;
     void endSending() const;
     void close() { fd_.reset(); }
 
@@ -29,8 +30,6 @@ public:
     std::string readAll(std::chrono::milliseconds time = std::chrono::seconds(5));
     /// Whether the peer has closed, with nothing left to read. Waits that long for it.
     bool closedWithin(std::chrono::milliseconds time);
-    /// Whether the connection ended by a reset, which may cost bytes on their way.
-    [[nodiscard]] bool wasReset() const { return reset_; }
 
 private:
     bool receive(std::chrono::steady_clock::time_point until);
@@ -38,7 +37,6 @@ private:
     server::Fd fd_;
     bool connected_ = false;
     bool ended_ = false;
-    bool reset_ = false;
     std::string received_;
 };
 
