@@ -29,6 +29,9 @@ using core::fail;
 /// How often the server looks whether a worker is stuck.
 constexpr auto kLook = 250ms;
 
+/// Threads for requests that wait for nothing.
+constexpr std::size_t kQuickHandlers = 64;
+
 /// The exit code of a server whose worker is stuck; its supervisor starts another.
 constexpr int kStuck = 70;
 
@@ -59,6 +62,9 @@ PoolSettings poolSettings(const Settings& settings) {
 HttpSettings httpSettings(const Settings& settings, Metrics& metrics) {
     HttpSettings http;
     http.net.connections = settings.connections;
+    // Those who wait must never leave none for quick requests.
+    http.net.handlers = settings.workers + settings.queueLimit + settings.longPolls +
+                        settings.streams + kQuickHandlers;
     http.net.headTimeout = settings.headerTimeout;
     http.net.bodyTimeout = settings.bodyTimeout;
     http.net.leastRate = settings.minBodyRate;
