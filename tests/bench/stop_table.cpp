@@ -103,7 +103,7 @@ std::vector<Case> allCases() {
     Case features = ballsCase("piecewise-smooth", kSide, Preset::studio);
     features.options.method.normals.method = NormalMethod::piecewiseSmooth;
     cases.push_back(features);
-    Case cholesky = ballsCase("cholesky", 86, Preset::paper);
+    Case cholesky = ballsCase("cholesky", 80, Preset::paper);
     cholesky.options.method.solve.solver = SolverKind::cholesky;
     cases.push_back(cholesky);
     Case rough{"noise-studio", noise(40), raw(40, Preset::studio)};
