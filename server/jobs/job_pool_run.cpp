@@ -115,10 +115,10 @@ core::Result<core::Artifact> JobPool::run(Task& task) {
 
 /// The result goes where its jobs need it: into the store if one of them is durable.
 RunOutcome JobPool::outcomeOf(const Task& task, core::Result<core::Artifact> artifact) {
-    if (!artifact) return {.error = std::move(artifact.error())};
-    core::ConversionReport& report = artifact->report;
     auto facts = std::make_shared<RunFacts>();
     facts->stages = task.stageTimes();
+    if (!artifact) return {.error = std::move(artifact.error()), .facts = std::move(facts)};
+    core::ConversionReport& report = artifact->report;
     facts->voxels = report.input.voxels;
     facts->surfels = report.surface.surfels;
     facts->triangles = report.output.triangles;

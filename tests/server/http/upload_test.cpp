@@ -188,7 +188,7 @@ TEST_CASE("upload: Content-Digest is of the bytes sent, Repr-Digest of the bytes
     }
     checkProblem(with("gzip", packed, "Content-Digest", digestOf(grid)), 400, "digest-mismatch");
     checkProblem(with("gzip", packed, "Repr-Digest", digestOf(packed)), 400, "digest-mismatch");
-    CHECK(server.gate.started == 6);
+    CHECK(server.pool->stats().jobs[static_cast<int>(proto::JobState::succeeded)] == 6);
 }
 
 TEST_CASE("upload: uploads in flight hold no more than the budget") {

@@ -55,15 +55,27 @@ TEST_CASE("reject: heads that parsers read in different ways") {
     }
 }
 
+TEST_CASE("reject: no host, two hosts, more than one coding, a request line that is none") {
+    CHECK(verdictOn("GET / HTTP/1.0\r\n\r\n").complete);
+    CHECK(verdictOn("GET / HTTP/1.1\r\nhOST: x\r\n\r\n").complete);
+    for (const char* head :
+         {"GET / HTTP/1.1\r\n\r\n", "GET / HTTP/1.1\r\nHost: x\r\nHost: x\r\n",
+          "GET  / HTTP/1.1\r\n", "GET /\r\n",
+          "GET / HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked, chunked\r\n"}) {
+        CAPTURE(head);
+        CHECK(verdictOn(head).status == 400);
+    }
+}
+
 TEST_CASE("reject: each limit of a head, and the limit itself is not refused") {
     NetLimits limits;
     limits.lineBytes = 40;
     limits.headBytes = 200;
     limits.headers = 5;
     const auto line = [](std::size_t size) { return "A: " + std::string(size - 5, 'a') + "\r\n"; };
-    CHECK(verdictOn("GET /" + std::string(24, 'x') + " HTTP/1.1\r\n\r\n", limits).complete);
-    CHECK(verdictOn("GET /" + std::string(25, 'x') + " HTTP/1.1\r\n\r\n", limits).status == 414);
-    const std::string start = "GET / HTTP/1.1\r\n";
+    CHECK(verdictOn("GET /" + std::string(24, 'x') + " HTTP/1.0\r\n\r\n", limits).complete);
+    CHECK(verdictOn("GET /" + std::string(25, 'x') + " HTTP/1.0\r\n\r\n", limits).status == 414);
+    const std::string start = "GET / HTTP/1.0\r\n";
     CHECK(verdictOn(start + line(40) + "\r\n", limits).complete);
     CHECK(verdictOn(start + line(41) + "\r\n", limits).status == 431);
     const std::string five = line(6) + line(6) + line(6) + line(6) + line(6);

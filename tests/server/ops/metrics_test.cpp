@@ -117,9 +117,12 @@ TEST_CASE("metrics: hooks, counts of the pool and health") {
     REQUIRE(client.Post("/v1/jobs", "slow", "application/octet-stream")->status == 202);
     REQUIRE(client.Post("/v1/jobs", "slow", "application/octet-stream")->status == 503);
     REQUIRE(server.waitRunning(1));
+    const std::string idle = "http_server_open_connections{state=\"idle\"} 1\n";
+    for (int i = 0; i < 2000 && !has(server.metrics.text(*server.service), idle); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
     for (int i = 0; i < 2; ++i) {
         const std::string text = server.metrics.text(*server.service);
-        CHECK(has(text, "http_server_open_connections{state=\"idle\"} 1\n"));
+        CHECK(has(text, idle));
         CHECK(has(text, "rivage_admission_rejected_total{reason=\"queue_full\"} 1\n"));
         CHECK(has(text, "rivage_jobs_total{outcome=\"rejected\",reason=\"queue_full\"} 1\n"));
         CHECK(has(text, "rivage_workers_busy 1\n"));
