@@ -1,12 +1,6 @@
 #include "core/solve/ldlt.h"
 
 namespace rivage::core {
-namespace {
-
-constexpr int kPoll = 64;  // rows; one of the last takes up to 0.1 ms
-
-}  // namespace
-
 Ldlt::Ldlt(const Sparse& upper, const RunContext& run) : size_(static_cast<int>(upper.cols())) {
     complete_ = findTree(upper, run) && factorize(upper, run);
 }
@@ -18,7 +12,7 @@ bool Ldlt::findTree(const Sparse& upper, const RunContext& run) {
     std::vector<std::size_t> counts(size_, 0);
     std::vector<int> seen(size_, -1);
     for (int k = 0; k < size_; ++k) {
-        if (k % kPoll == 0 && run.stopped()) return false;
+        if (run.stopped()) return false;
         seen[k] = k;
         for (Sparse::InnerIterator entry(upper, k); entry; ++entry)
             for (auto i = static_cast<int>(entry.index()); i < k && seen[i] != k; i = parent_[i]) {
@@ -42,7 +36,7 @@ bool Ldlt::factorize(const Sparse& upper, const RunContext& run) {
     std::vector<int> path;
     std::vector<int> pattern(size_);  // of row k of L, from `top`, each column before its parent
     for (int k = 0; k < size_; ++k) {
-        if (k % kPoll == 0 && run.stopped()) return false;
+        if (run.stopped()) return false;  // the last rows take 15 ms each
         int top = size_;
         seen[k] = k;
         for (Sparse::InnerIterator entry(upper, k); entry; ++entry) {

@@ -39,6 +39,7 @@ Result<Solution> minimize(const Energy& energy, const SolveOptions& options, con
     if (observer) observer(0, start.positions ? *start.positions : energy.restPositions());
     StepWatch watch(observer, run);
     DisplacementSystem system(energy);
+    if (run.stopped()) return fail(run.stopError());
     const Boxes boxes(energy.surface(), options.displacementLimit, start.held);
     Result<Solution> solution;
     switch (*solver) {

@@ -17,9 +17,11 @@ Solution solvePcg(DisplacementSystem& system, const Boxes& boxes, bool coarse,
     if (coarse && !run.stopped()) levels.emplace(system.energy(), operation, run);
     const char* name = coarse ? "multigrid" : "pcg";
     Convergence convergence(refinement.initial(), options, run);
-    if (run.stopped()) return {refinement.positions(), name, 0, 1, false};
+    const Solution stopped{{}, name, 0, 1, false};
+    if (run.stopped()) return stopped;
 
     Preconditioner preconditioner(system.energy(), operation, levels ? &*levels : nullptr);
+    if (run.stopped()) return stopped;
     FloatCg cg(system.energy(), operation, preconditioner);
     FloatVectors work(system.size());
     refinement.movable(work);

@@ -1,5 +1,7 @@
 #include "core/solve/projected.h"
 
+#include <optional>
+
 #include "core/solve/float_mprgp.h"
 
 namespace rivage::core {
@@ -11,30 +13,33 @@ constexpr int kApproachSteps = 120;
 /// The float solver with what it needs, begun anew at each measured displacement.
 class Inner {
 public:
-    Inner(const Energy& energy, const RunContext& run)
-        : operation_(energy, run),
-          preconditioner_(energy, operation_, nullptr),
-          mprgp_(energy, operation_, preconditioner_) {}
+    /// Incomplete once `run` asked to stop: all that memory would take longer to fill than a stop
+    /// may.
+    Inner(const Energy& energy, const RunContext& run) : operation_(energy, run) {
+        if (run.stopped()) return;
+        preconditioner_.emplace(energy, operation_, nullptr);
+        if (run.stopped()) return;
+        mprgp_.emplace(energy, operation_, *preconditioner_);
+    }
+    [[nodiscard]] bool complete() const { return mprgp_.has_value(); }
 
     FloatMprgp& startAt(const Refinement& refinement) {
         refinement.room(lo_, hi_);
         refinement.gradient(gradient_);
-        mprgp_.start(lo_, hi_, gradient_);
-        return mprgp_;
+        mprgp_->start(lo_, hi_, gradient_);
+        return *mprgp_;
     }
 
 private:
     FloatOperator operation_;
-    Preconditioner preconditioner_;
-    FloatMprgp mprgp_;
+    std::optional<Preconditioner> preconditioner_;
+    std::optional<FloatMprgp> mprgp_;
     FloatVectors lo_;
     FloatVectors hi_;
     FloatVectors gradient_;
 };
 
-Solution stoppedSolution(const Refinement& refinement, const char* name) {
-    return {refinement.positions(), name, 0, 1, false};
-}
+Solution stoppedSolution(const char* name) { return {{}, name, 0, 1, false}; }
 
 }  // namespace
 
@@ -42,8 +47,9 @@ Solution solveProjected(DisplacementSystem& system, const Boxes& boxes, const So
                         const RunContext& run, const Begin& begin) {
     constexpr double kRound = 1e-4;  // reduction before the gradient is measured in double again
     Refinement refinement(system, boxes, begin.positions);
-    if (run.stopped()) return stoppedSolution(refinement, "projected");
+    if (run.stopped()) return stoppedSolution("projected");
     Inner inner(system.energy(), run);
+    if (!inner.complete()) return stoppedSolution("projected");
     Convergence convergence(refinement.initial(), options, run);
     int iterations = 0;
     double residual = refinement.measure();
@@ -86,8 +92,9 @@ Solution solveAccelerated(DisplacementSystem& system, const Boxes& boxes,
                           const SolveOptions& options, const RunContext& run, const Begin& begin) {
     constexpr int kLookEvery = 25;  // steps; a look costs as much as five of them
     Refinement refinement(system, boxes, begin.positions);
-    if (run.stopped()) return stoppedSolution(refinement, "accelerated");
+    if (run.stopped()) return stoppedSolution("accelerated");
     Inner inner(system.energy(), run);
+    if (!inner.complete()) return stoppedSolution("accelerated");
     Convergence convergence(refinement.initial(), options, run);
     int iterations = 0;
     double residual = refinement.measure();
