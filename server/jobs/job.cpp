@@ -17,6 +17,13 @@ proto::Json parsed(const std::string& text) {
     return text.empty() ? proto::Json() : proto::Json::parse(text, nullptr, false);
 }
 
+std::optional<core::Stage> stageOf(const std::string& name) {
+    for (std::size_t i = 0; i < core::kStageCount; ++i)
+        if (name == core::stageName(static_cast<core::Stage>(i)))
+            return static_cast<core::Stage>(i);
+    return std::nullopt;
+}
+
 JobFacts factsOf(const JobRecord& record) {
     return {.id = record.id,
             .kind = JobKind::convert,
@@ -57,7 +64,7 @@ Job::Job(const JobRecord& record, Clock::time_point deadline) : Job(factsOf(reco
     now_.view.finished = record.finished;
     now_.view.expiresAt = record.expires;
     now_.view.progress = record.state == JobState::succeeded ? 1 : 0;
-    if (record.state == JobState::succeeded) now_.view.stage = core::Stage::write;
+    now_.view.stage = stageOf(record.stage);
     now_.error = record.error;
     if (record.error) {
         now_.view.error = proto::makeProblem(*record.error);
@@ -223,6 +230,7 @@ JobRecord Job::record() const {
             .inputSha256 = facts_.inputSha256,
             .inputBytes = facts_.inputBytes,
             .state = view.state,
+            .stage = view.stage ? core::stageName(*view.stage) : "",
             .attempt = view.attempt,
             .created = view.created,
             .started = view.started,

@@ -132,7 +132,10 @@ RunOutcome JobPool::outcomeOf(const Task& task, core::Result<core::Artifact> art
                                                        [](const auto& j) { return j->durable(); });
     BlobStore& store = durable ? *storage_.blobs : static_cast<BlobStore&>(memory_);
     auto blob = store.put(std::move(artifact->bytes));
-    if (!blob) return {.error = std::move(blob.error()), .facts = std::move(facts)};
+    if (!blob) {
+        facts->report.clear();
+        return {.error = std::move(blob.error()), .facts = std::move(facts)};
+    }
     return {.result = std::make_shared<const JobResult>(
                 *std::move(blob), std::move(artifact->mediaType), std::move(artifact->extension)),
             .facts = std::move(facts)};

@@ -23,6 +23,7 @@ struct JobRecord {
     std::uint64_t inputBytes = 0;
 
     proto::JobState state = proto::JobState::queued;
+    std::string stage = {};  ///< the one that it ended in; empty if none began
     int attempt = 0;
     proto::WallTime created = {};
     std::optional<proto::WallTime> started = {};

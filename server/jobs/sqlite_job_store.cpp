@@ -35,6 +35,7 @@ void eachField(Record& record, Visit&& visit) {
     visit("input_sha256", record.inputSha256);
     visit("input_bytes", record.inputBytes);
     visit("state", record.state);
+    visit("stage", record.stage);
     visit("attempt", record.attempt);
     visit("created", record.created);
     visit("started", record.started);

@@ -2,13 +2,17 @@
 
 #include <httplib.h>
 
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 
 #include "proto/options.h"
 #include "server/http/exchange.h"
 #include "server/http/prefer.h"
+#include "server/http/routes.h"
+#include "server/http/trace.h"
 #include "server/http/upload.h"
+#include "server/net/head_scanner.h"
 #include "tests/fuzz/wire_check.h"
 
 namespace rivage::fuzz {
@@ -62,6 +66,7 @@ server::Service& fakeService() {
         return made;
     }();
     static server::Service service{pool, limits};
+    service.uploads.limit = std::uint64_t{8} * kMaxUpload;
     return service;
 }
 
@@ -70,13 +75,16 @@ void upload(const httplib::Request& request, httplib::Response& response,
             const httplib::ContentReader& body) {
     server::Exchange exchange{request, response, &body, fakeService()};
     server::requestId(request, response);
-    const server::Prefer prefer = server::parsePrefer(request.get_header_value("Prefer"));
+    static_cast<void>(server::traceOf(request, response));
+    const server::Prefer prefer = server::parsePrefer(server::listField(request, "Prefer"));
     require(!prefer.wait || (*prefer.wait >= 0s && *prefer.wait <= 24h));
     static_cast<void>(server::matchesEtag(request.get_header_value("If-None-Match"), "\"0123\""));
-    if (const auto checked = server::checkUploadHeaders(request, fakeService()); !checked)
+    if (const auto checked = server::checkSubmission(request); !checked)
         return server::writeProblem(exchange, checked.error());
+    if (const auto admitted = server::admitUpload(request, response, fakeService()); !admitted)
+        return server::writeProblem(exchange, admitted.error());
     std::vector<proto::OptionText> query;
-    for (const auto& [name, value] : request.params) query.push_back({name, value});
+    for (const auto& [name, value] : server::queryOf(request)) query.push_back({name, value});
     const auto upload = server::readUpload(exchange);
     if (!upload) return server::writeProblem(exchange, upload.error());
     require(upload->grid.size() <= kMaxUpload && upload->options.size() <= kMaxUpload);
@@ -109,6 +117,13 @@ public:
 
 std::string serve(std::string_view request) {
     static FuzzServer server;
+    // A head is scanned before the library sees it, in the pieces in which it comes.
+    server::HeadScanner scanner;
+    for (std::size_t piece = 1;; piece = std::min(3 * piece, request.size())) {
+        const auto verdict = scanner.scan(request.substr(0, piece), server::NetLimits());
+        require(!verdict.complete || scanner.size() <= request.size());
+        if (verdict.complete || verdict.status != 0 || piece >= request.size()) break;
+    }
     MemoryStream stream(request);
     server.answer(stream);
     return std::move(stream.output());

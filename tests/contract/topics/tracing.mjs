@@ -104,7 +104,7 @@ describe('tracing', () => {
     assert.equal(logged.route, '/v1/regularize');
     assert.equal(logged.status, 200);
     assert.equal(logged.job, answer.headers['rivage-job']);
-    assert.equal(logged.bytes, answer.body.length);
+    assert.equal(logged.bytes_out, answer.body.length);
     assert.equal(typeof logged.ms, 'number');
     assert.ok(Number.isFinite(Date.parse(logged.time)));
     const job = await line('full', 'job');

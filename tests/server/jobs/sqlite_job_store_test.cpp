@@ -45,6 +45,8 @@ JobRecord fullRecord() {
     record.inputSha256 = "ab";
     record.inputBytes = 1ULL << 40;
     record.state = JobState::failed;
+    record.stage = "solve";
+    record.resultBytes = 77;
     record.attempt = 2;
     record.created = time;
     record.started = time + 1ms;
@@ -75,7 +77,9 @@ void checkSame(const JobRecord& a, const JobRecord& b) {
     CHECK(a.started == b.started);
     CHECK(a.finished == b.finished);
     CHECK(a.expires == b.expires);
+    CHECK(a.stage == b.stage);
     CHECK(a.resultSha256 == b.resultSha256);
+    CHECK(a.resultBytes == b.resultBytes);
     CHECK(a.mediaType == b.mediaType);
     CHECK(a.extension == b.extension);
     CHECK(a.report == b.report);
