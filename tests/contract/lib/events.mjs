@@ -1,6 +1,7 @@
 // Reads a stream of server-sent events.
 import assert from 'node:assert/strict';
 import {requestBytes} from './http.mjs';
+import {checkHead} from './schema.mjs';
 
 const kPatience = 20000;
 
@@ -36,6 +37,7 @@ export class EventStream {
       })
     );
     stream.head = await stream.connection.head();
+    checkHead('GET', `${path}/events${query}`, stream.head);
     stream.#pieces = stream.connection.pieces(stream.head, 'GET');
     return stream;
   }

@@ -155,6 +155,23 @@ const seen = new Set();
 const problems = new Set();
 export const coverage = {seen, problems};
 
+// Fails if the head of an answer is not one that the schema describes: of a stream, which may not end.
+// Gives the schema's entry for it.
+export function checkHead(method, target, answer, admin = false) {
+  const path = target.split('?')[0];
+  const route = routeOf(path, admin);
+  const at = describe(method, route, answer.status, path);
+  const response = resolve(at);
+  checkHeaders(response.object, response.at, answer.headers, admin);
+  if (answer.status === 405)
+    assert.deepEqual(new Set((answer.headers.allow ?? '').split(', ')), allowedOf(route), 'Allow');
+  if ([429, 503, 507].includes(answer.status))
+    assert.match(answer.headers['retry-after'] ?? '', /^[1-9]\d*$/, 'Retry-After');
+  seen.add(`${method} ${route ?? '*'} ${answer.status}`);
+  if (at === kErrors) seen.add(`any ${answer.status}`);
+  return response;
+}
+
 // Fails if an answer is not one that the schema describes.
 // admin: it came from the admin port; anyBody: the engine is a fake one and writes what it likes;
 // asset: a file of the viewer, which the schema does not list.
@@ -164,21 +181,11 @@ export function checkAnswer(
   answer,
   {admin = false, anyBody = false, asset = false} = {}
 ) {
-  const path = target.split('?')[0];
-  const route = routeOf(path, admin);
   if (asset && answer.status < 400) return;
-  const at = describe(method, route, answer.status, path);
-  const response = resolve(at);
-  checkHeaders(response.object, response.at, answer.headers, admin);
-  if (answer.status === 405)
-    assert.deepEqual(new Set((answer.headers.allow ?? '').split(', ')), allowedOf(route), 'Allow');
-  if ([429, 503, 507].includes(answer.status))
-    assert.match(answer.headers['retry-after'] ?? '', /^[1-9]\d*$/, 'Retry-After');
+  const response = checkHead(method, target, answer, admin);
   const empty = method === 'HEAD' || answer.status === 204 || answer.status === 304;
   if (empty) assert.equal(answer.body.length, 0, 'no body');
   else checkBody(response.object, response.at, answer, anyBody);
   if (method !== 'HEAD') checkDigests(answer);
-  seen.add(`${method} ${route ?? '*'} ${answer.status}`);
-  if (at === kErrors) seen.add(`any ${answer.status}`);
   if (!empty && answer.problem) problems.add(answer.problem);
 }

@@ -114,6 +114,7 @@ TEST_CASE("metrics: hooks, counts of the pool and health") {
     server.service->net = &server.http->front().stats();
     server.service->restarts = 7;
     auto client = server.client();
+    client.set_keep_alive(true);
     REQUIRE(client.Post("/v1/jobs", "slow", "application/octet-stream")->status == 202);
     REQUIRE(client.Post("/v1/jobs", "slow", "application/octet-stream")->status == 503);
     REQUIRE(server.waitRunning(1));
