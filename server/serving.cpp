@@ -168,7 +168,8 @@ core::Result<void> Server::loadKeys() {
 /// Says where it listens; to programs that wait for it, once and not after each restart.
 void Server::announce() const {
     const Settings& settings = serving_.settings;
-    const std::string url = serving_.http.address.url();
+    std::string url = serving_.http.address.url();
+    if (tls_ && url.starts_with("http:")) url.insert(4, "s");
     if (serving_.admin) logInfo("admin", {{"address", serving_.admin->address.url()}});
     if (service_.restarts == 0) std::cout << "listening on " << url << std::endl;
     logInfo("started", {{"pid", ::getpid()},

@@ -17,10 +17,36 @@ class Problem extends Error {
     }
 }
 
+// What a server with API keys wants to see; kept until this tab is closed.
+const kKeyName = 'rivage-key';
+let asked = null;
+
+// Asks once, however many requests want to know; an empty answer is none.
+function askForKey() {
+    asked ??= new Promise((resolve) => {
+        const dialog = at('key-dialog');
+        dialog.addEventListener('close', () => {
+            sessionStorage.setItem(kKeyName, at('key').value.trim());
+            resolve();
+        }, {once: true});
+        dialog.showModal();
+    }).finally(() => { asked = null; });
+    return asked;
+}
+
+async function send(path, init = {}) {
+    const key = sessionStorage.getItem(kKeyName);
+    const headers = key ? {...init.headers, 'X-API-Key': key} : init.headers;
+    const response = await fetch(path, {...init, headers});
+    if (response.status !== 401) return response;
+    if (sessionStorage.getItem(kKeyName) === key) await askForKey();
+    return sessionStorage.getItem(kKeyName) ? send(path, init) : response;
+}
+
 async function request(path, init) {
     let response;
     try {
-        response = await fetch(path, init);
+        response = await send(path, init);
     } catch (error) {
         if (error.name === 'AbortError') throw error;
         throw new Problem({title: 'The server cannot be reached', detail: error.message});
@@ -101,7 +127,7 @@ async function post(values, signal) {
 // The report of the job with its times; the one in the model has none.
 async function reportOf(response, gltf) {
     const id = response.headers.get('Rivage-Job');
-    const job = id && await fetch(`/v1/jobs/${encodeURIComponent(id)}`)
+    const job = id && await send(`/v1/jobs/${encodeURIComponent(id)}`)
         .then((answer) => answer.ok ? answer.json() : null).catch(() => null);
     return job?.report ?? gltf?.parser.json.asset.extras?.rivage ?? null;
 }

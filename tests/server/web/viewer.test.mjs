@@ -2,8 +2,11 @@
 // problem; no console error, no request to anywhere else. RIVAGE_BIN names the programs' folder.
 import assert from 'node:assert/strict';
 import {spawn} from 'node:child_process';
+import {createHash} from 'node:crypto';
+import {mkdtemp, rm, writeFile} from 'node:fs/promises';
 import {createRequire} from 'node:module';
 import test from 'node:test';
+import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {setTimeout as sleep} from 'node:timers/promises';
 
@@ -16,9 +19,10 @@ const kArguments = ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader',
   '--enable-unsafe-swiftshader', '--disable-background-networking'];
 const kPatience = {timeout: 120000};
 
-async function startServer() {
+async function startServer(...flags) {
   const child = spawn(join(bin, 'rivage-server'),
-    ['--listen', '127.0.0.1:0', '--admin-listen', 'off'], {stdio: ['ignore', 'pipe', 'ignore']});
+    ['--listen', '127.0.0.1:0', '--admin-listen', 'off', ...flags],
+    {stdio: ['ignore', 'pipe', 'ignore']});
   let said = '';
   child.stdout.on('data', (data) => { said += data; });
   for (let i = 0; i < 200; ++i) {
@@ -107,6 +111,23 @@ test('viewer', async (t) => {
     assert.match(await page.textContent('#error-title'), /grid/);
     assert.match(await page.textContent('#error-facts'), /problems/);
     await page.close();
+  });
+
+  await t.test('a server with API keys: the page asks for one, until it is right', async () => {
+    const folder = await mkdtemp(join(tmpdir(), 'rivage-'));
+    const hash = createHash('sha256').update('a key of the viewer').digest('hex');
+    await writeFile(join(folder, 'keys'), `viewer sha256:${hash}\n`);
+    const keyed = await startServer('--api-keys', join(folder, 'keys'));
+    const {page} = await openPage(browser, keyed.url, '/');
+    for (const key of ['a wrong key of the viewer', 'a key of the viewer']) {
+      await page.waitForSelector('#key-dialog[open]', kPatience);
+      await page.fill('#key', key);
+      await page.press('#key', 'Enter');
+    }
+    await page.waitForSelector('#samples button', kPatience);
+    await page.close();
+    keyed.child.kill('SIGTERM');
+    await rm(folder, {recursive: true});
   });
 
   await t.test('a value out of range is refused in the form', async () => {
