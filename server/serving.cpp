@@ -126,7 +126,7 @@ private:
 core::Result<void> Server::start() {
     service_.uploads.limit = serving_.settings.uploadBytes();
     service_.corsOrigins = serving_.settings.corsOrigins;
-    service_.metrics = &metrics_;
+    service_.metrics = [this] { return metrics_.text(service_); };
     service_.net = &http_.front().stats();
     service_.loopBeat = [this] { return http_.front().lastBeat(); };
     if (const auto& recovered = pool_.recovered(); !recovered) return recovered;

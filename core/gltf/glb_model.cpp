@@ -206,7 +206,7 @@ std::vector<std::byte> GlbModel::finish(const std::vector<MeshMaterial>& materia
     model_.scenes.push_back(std::move(scene));
     model_.defaultScene = 0;
 
-    // The library would copy the buffer twice, and a gigabyte takes long enough to be asked to stop.
+    // The library would copy the buffer twice; a gigabyte takes so long that one may want to stop.
     std::ostringstream text;
     if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model_, text, false, false)) return {};
     auto json = nlohmann::json::parse(text.str());

@@ -8,8 +8,8 @@
 #include <mutex>
 #include <string>
 
-#include "server/ops/api_keys.h"
-#include "server/ops/quota.h"
+#include "server/keys/api_keys.h"
+#include "server/keys/quota.h"
 
 namespace rivage::server {
 

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "server/http/exchange.h"
-#include "server/ops/metrics.h"
 
 namespace rivage::server {
 namespace {
@@ -56,9 +55,8 @@ AdminServer::AdminServer(Service& service) : front_(adminLimits(), server_) {
                      proto::makeProblem({ErrorCode::draining, "the server is stopping"}));
     });
     server_.Get("/metrics", [&service](const httplib::Request&, httplib::Response& response) {
-        Metrics empty;
-        Metrics& metrics = service.metrics ? *service.metrics : empty;
-        response.set_content(metrics.text(service), "text/plain; version=0.0.4; charset=utf-8");
+        response.set_content(service.metrics ? service.metrics() : std::string(),
+                             "text/plain; version=0.0.4; charset=utf-8");
     });
     server_.set_error_handler(
         [&service](const httplib::Request& request, httplib::Response& response) {

@@ -6,8 +6,8 @@
 
 namespace rivage::server {
 
-/// GET /livez, /readyz and /metrics on a port, a front and threads of their own, so that no load on the
-/// public port can starve them.
+/// GET /livez, /readyz, /startupz and /metrics on a port, a front and threads of their own, so that
+/// no load on the public port can starve them.
 class AdminServer {
 public:
     /// @param service  must outlive the server

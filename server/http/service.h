@@ -24,8 +24,6 @@ struct Samples {
     std::function<core::Result<std::vector<std::byte>>(const std::string& name)> make;
 };
 
-class Metrics;
-
 /// What the handlers work with; it outlives the HTTP server.
 struct Service {
     JobPool& pool;
@@ -36,8 +34,8 @@ struct Service {
     std::vector<std::string> corsOrigins = {};
     std::size_t longPolls = 64;  ///< waiting GETs at a time; more are answered at once
     UploadBudget uploads = {};
-    Metrics* metrics = nullptr;     ///< what /metrics answers; null: only what can be read at once
-    const NetStats* net = nullptr;  ///< of the connections; null: nobody counts them
+    std::function<std::string()> metrics = {};  ///< what /metrics answers; unset: nothing
+    const NetStats* net = nullptr;              ///< of the connections; null: nobody counts them
     /// When the connection loop last showed that it lives; unset: always now.
     std::function<Clock::time_point()> loopBeat = {};
     std::atomic<std::uint64_t> rejectedQuota{0};

@@ -6,7 +6,7 @@
 #include <iostream>
 #include <map>
 
-#include "server/ops/api_keys.h"
+#include "server/keys/api_keys.h"
 #include "server/ops/machine.h"
 #include "server/ops/settings.h"
 

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "proto/option_table.h"
-#include "server/ops/api_keys.h"
+#include "server/keys/api_keys.h"
 
 namespace rivage::server {
 namespace {

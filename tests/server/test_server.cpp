@@ -56,7 +56,7 @@ TestServer::TestServer(const TestSettings& settings) {
     server::HttpSettings httpSettings;
     httpSettings.net = settings.net;
     httpSettings.net.bodyGrace = settings.readTimeout;
-    service->metrics = &metrics;
+    service->metrics = [this] { return metrics.text(*service); };
     httpSettings.observer = [this](const server::RequestRecord& record) {
         metrics.requestEnded(record);
         const std::lock_guard lock(mutex_);

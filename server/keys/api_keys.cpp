@@ -1,4 +1,4 @@
-#include "server/ops/api_keys.h"
+#include "server/keys/api_keys.h"
 
 #include <openssl/crypto.h>
 #include <openssl/sha.h>

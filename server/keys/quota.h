@@ -7,7 +7,7 @@
 #include <mutex>
 #include <string>
 
-#include "server/ops/api_keys.h"
+#include "server/keys/api_keys.h"
 
 namespace rivage::server {
 

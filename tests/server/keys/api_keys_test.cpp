@@ -1,4 +1,4 @@
-#include "server/ops/api_keys.h"
+#include "server/keys/api_keys.h"
 
 #include <doctest/doctest.h>
 
@@ -19,7 +19,7 @@ std::string mistake(const std::string& text) {
 
 }  // namespace
 
-TEST_SUITE_BEGIN("server/ops");
+TEST_SUITE_BEGIN("server/keys");
 
 TEST_CASE("KeyRing: reads names, hashes, quotas and dates; comments and blank lines are nothing") {
     const auto ring = KeyRing::parse(

@@ -1,4 +1,4 @@
-#include "server/ops/quota.h"
+#include "server/keys/quota.h"
 
 #include <algorithm>
 #include <cmath>

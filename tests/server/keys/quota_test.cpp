@@ -1,4 +1,4 @@
-#include "server/ops/quota.h"
+#include "server/keys/quota.h"
 
 #include <doctest/doctest.h>
 
@@ -20,7 +20,7 @@ struct FakeClock {
 
 }  // namespace
 
-TEST_SUITE_BEGIN("server/ops");
+TEST_SUITE_BEGIN("server/keys");
 
 TEST_CASE("QuotaBook: a window's requests at once, then one for each part of the window") {
     FakeClock clock;
