@@ -9,17 +9,9 @@ import {join, resolve} from 'node:path';
 import {setTimeout as sleep} from 'node:timers/promises';
 import {pathToFileURL} from 'node:url';
 
+export {random} from './lib/measure.mjs';
 export {sleep};
 export const sha256 = (bytes) => createHash('sha256').update(bytes).digest();
-
-// Seeded numbers in [0, 1): the same run again has the same load.
-export function random(seed) {
-  let state = seed >>> 0;
-  return () => {
-    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
-    return state / 2 ** 32;
-  };
-}
 
 // What the fake engine makes of a grid; tests/server/fake_engine.cpp has the same rule.
 export function expectedResult(text) {
@@ -57,20 +49,31 @@ export const post = (server, path, text) => request(server.url + path,
   {method: 'POST', body: text, headers: {'Content-Type': 'application/octet-stream'}});
 export const jsonOf = (answer) => JSON.parse(answer.body.toString());
 
+const addressOf = (url) => ({host: '127.0.0.1', port: Number(new URL(url).port)});
+
 // Without our own variables, which the server would take for settings.
 const plainEnvironment = () => Object.fromEntries(
   Object.entries(process.env).filter(([name]) => !name.startsWith('RIVAGE_')));
 
-// rivage-fake-server with a supervisor and a state folder.
+// A driver that fails leaves no server behind.
+const running = new Set();
+process.on('exit', () => running.forEach((child) => child.kill()));
+
+const kFakeServer = 'tests/rivage-fake-server';
+const kRealServer = 'bin/rivage-server';
+
+// A server program with a supervisor; with a folder for its state it forgets no job.
 export class Server {
-  constructor(build, folder, args = [], listen = '127.0.0.1:0') {
+  constructor(build, folder, args = [], listen = '127.0.0.1:0', program = kFakeServer) {
     this.folder = folder;
     this.log = '';
-    this.child = spawn(resolve(build, 'tests/rivage-fake-server'), ['--listen', listen,
-      '--admin-listen', '127.0.0.1:0', '--state-dir', folder, '--workers', '2', '--kept-jobs', '100000',
-      '--result-budget', '4GiB', ...args], {env: plainEnvironment()});
+    const lasting = ['--state-dir', folder, '--kept-jobs', '100000', '--result-budget', '4GiB'];
+    this.child = spawn(resolve(build, program), ['--listen', listen, '--admin-listen', '127.0.0.1:0',
+      '--workers', '2', ...(folder ? lasting : []), ...args], {env: plainEnvironment()});
     for (const stream of [this.child.stdout, this.child.stderr])
       stream.on('data', (data) => { this.log += data; });
+    running.add(this.child);
+    this.child.on('exit', () => running.delete(this.child));
     this.ended = new Promise((done) => this.child.on('close', (code) => done(code)));
   }
 
@@ -81,6 +84,11 @@ export class Server {
     return this;
   }
 
+  static real(build, args) { return new Server(build, null, args, undefined, kRealServer).started(); }
+  static fake(build, args) { return new Server(build, null, args).started(); }
+
+  get address() { return addressOf(this.url); }
+  get adminAddress() { return addressOf(this.adminUrl); }
   get adminUrl() { return /admin address=(\S+)/.exec(this.log)[1]; }
 
   get servingPid() {
@@ -192,26 +200,28 @@ export function checkFolder(build, folder) {
 export function makeFolder() { return mkdtempSync(join(tmpdir(), 'rivage-soak-')); }
 export function removeFolder(folder) { rmSync(folder, {recursive: true, force: true}); }
 
-// A table of figures, and the promises that were broken.
-export function report(name, figures, problems) {
+// Tables and figures, and the promises that were broken.
+export function report(name, {figures, tables = [], problems}) {
   const rows = Object.entries(figures).map(([what, value]) => `| ${what} | ${value} |`);
   const broken = problems.length ? problems.slice(0, 20).map((text) => `- BROKEN: ${text}`) : ['- all promises kept'];
-  return [`## ${name}`, '', '| what | |', '|---|---|', ...rows, '', ...broken, ''].join('\n');
+  const blocks = tables.flatMap((text) => [text, '']);
+  return [`## ${name}`, '', ...blocks, '| what | |', '|---|---|', ...rows, '', ...broken, ''].join('\n');
 }
 
-// Runs a driver if its file is the program: `node NAME.mjs BUILD [--times N]`.
-export async function main(url, name, drive) {
+// Runs a driver if its file is the program: `node NAME.mjs BUILD [--times N]`, or what the number
+// of the driver is called instead of times.
+export async function main(url, name, drive, option = '--times') {
   if (url !== pathToFileURL(process.argv[1]).href) return;
-  const [build, flag, times] = process.argv.slice(2);
-  if (!build || (flag && flag !== '--times')) {
-    console.error(`usage: node ${name}.mjs BUILD [--times N]`);
+  const [build, flag, number] = process.argv.slice(2);
+  if (!build || (flag && (flag !== option || !(Number(number) > 0)))) {
+    console.error(`usage: node ${name}.mjs BUILD [${option} N]`);
     process.exit(2);
   }
-  const {figures, problems, skipped} = await drive(build, times ? Number(times) : undefined);
-  if (skipped) {
-    console.error(skipped);
+  const result = await drive(build, number ? Number(number) : undefined);
+  if (result.skipped) {
+    console.error(result.skipped);
     process.exit(77);
   }
-  console.log(report(name, figures, problems));
-  process.exit(problems.length ? 1 : 0);
+  console.log(report(name, result));
+  process.exit(result.problems.length ? 1 : 0);
 }
