@@ -200,10 +200,11 @@ export function checkFolder(build, folder) {
 export function makeFolder() { return mkdtempSync(join(tmpdir(), 'rivage-soak-')); }
 export function removeFolder(folder) { rmSync(folder, {recursive: true, force: true}); }
 
-// Tables and figures, and the promises that were broken.
-export function report(name, {figures, tables = [], problems}) {
+// Tables and figures, and the promises that were broken; `late` are those about time.
+export function report(name, {figures, tables = [], problems, late = []}) {
   const rows = Object.entries(figures).map(([what, value]) => `| ${what} | ${value} |`);
-  const broken = problems.length ? problems.slice(0, 20).map((text) => `- BROKEN: ${text}`) : ['- all promises kept'];
+  const all = [...problems, ...late];
+  const broken = all.length ? all.slice(0, 20).map((text) => `- BROKEN: ${text}`) : ['- all promises kept'];
   const blocks = tables.flatMap((text) => [text, '']);
   return [`## ${name}`, '', ...blocks, '| what | |', '|---|---|', ...rows, '', ...broken, ''].join('\n');
 }
@@ -223,5 +224,5 @@ export async function main(url, name, drive, option = '--times') {
     process.exit(77);
   }
   console.log(report(name, result));
-  process.exit(result.problems.length ? 1 : 0);
+  process.exit(result.problems.length || result.late?.length ? 1 : 0);
 }
