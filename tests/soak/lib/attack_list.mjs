@@ -90,8 +90,10 @@ const framingAttacks = () => [
     `${kTwice}Content-Length: 5\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n`)]),
   shots('two lengths', [['5', '6'], ['5', '5'], ['5, 6'], ['+5'], ['0x5'], ['-1'], ['5 5']].map((lengths) => () =>
     Buffer.from(`${kTwice}${lengths.map((length) => `Content-Length: ${length}\r\n`).join('')}\r\nhello`))),
-  shots('chunk size -2, and others', ['-2', 'FFFFFFFFFFFFFFFE', '10000000000000000', 'x', ''].map((size) => () =>
+  shots('chunk size -2, and others', ['-2', '10000000000000000', 'x', '', ' 2', '+2', '0x2'].map((size) => () =>
     Buffer.from(`${bytes.chunkedHead('/v1/regularize')}${size}\r\nab\r\n0\r\n\r\n`))),
+  once('chunk size 2^64 - 2', () =>
+    Buffer.from(`${bytes.chunkedHead('/v1/regularize')}FFFFFFFFFFFFFFFE\r\nab\r\n0\r\n\r\n`)),
   once('endless request line', () => bytes.follow('GET /', bytes.endless('a', kEndless))),
   once('endless header line', () =>
     bytes.follow('GET / HTTP/1.1\r\nHost: soak\r\nX-A: ', bytes.endless('a', kEndless))),
