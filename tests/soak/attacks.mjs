@@ -6,7 +6,6 @@ import {kMiB, mib, ms, rssOf, table} from './lib/measure.mjs';
 import {attacks} from './lib/attack_list.mjs';
 import {Server, main, post, request, sleep} from './support.mjs';
 
-const kLeast = 2000;  // milliseconds of probing, so that a percentile means something
 const kHead = ['attack', 'answers', 'ms, most', 'MB sent, most', 'memory, MiB more', 'probe ms p50', 'p99', 'max',
   'probes'];
 
@@ -41,7 +40,7 @@ async function checkAfter(server, attack, pid) {
 }
 
 // @return {row of the table, late, problems}
-async function carryOut(build, attack, probe) {
+async function carryOut(build, attack, probe, least) {
   const server = await (attack.fake ? Server.fake : Server.real)(build, attack.args);
   const pid = server.servingPid;
   const context = await attack.prepare?.(server);
@@ -49,7 +48,7 @@ async function carryOut(build, attack, probe) {
   await sleep(300);
   const before = rssOf(pid);
   const probing = probe.run({address: server.address, method: 'GET', target: '/version', rate: 50, steady: true, watch: pid});
-  const [outcomes] = await Promise.all([attack.run(server, context), sleep(kLeast)]);
+  const [outcomes] = await Promise.all([attack.run(server, context), sleep(least)]);
   probe.stop();
   const figures = await probing;
   const growth = figures.peak - before;
@@ -66,15 +65,16 @@ async function carryOut(build, attack, probe) {
   return {row, late, problems: [...found].map((text) => `${attack.name}: ${text}`)};
 }
 
-// seconds: how long slow clients are borne with; filter: which attacks
-export async function drive(build, seconds = 10, filter = () => true) {
+// seconds: how long slow clients are borne with; filter: which attacks; least: milliseconds of
+// probing, 100 probes, so that a percentile means something
+export async function drive(build, seconds = 10, filter = () => true, least = 2000) {
   const probe = new LoadProcess();
   const rows = [];
   const problems = [];
   const late = [];
   const quiet = {name: '(none)', growth: 64, allow: [], run: async () => []};
   for (const attack of [quiet, ...attacks(seconds)].filter(filter)) {
-    const result = await carryOut(build, attack, probe);
+    const result = await carryOut(build, attack, probe, least);
     rows.push(result.row);
     problems.push(...result.problems);
     late.push(...result.late);

@@ -132,7 +132,7 @@ const probeRow = ({crowded, live, ordinary, done, open, ends}) => [
 const kProbeHead = ['beside', 'jobs/s', 'livez ms p50', 'p99', 'max', 'version ms p50', 'p99', 'max',
   'late ms p99', 'CPU of others', 'ends of slow clients'];
 
-export async function drive(build, seconds = 20, slow = 200) {
+export async function drive(build, seconds = 20, slow = 200, factors = [1, 2, 3]) {
   const folder = makeFolder();
   const server = await Server.real(build);
   const {body} = await request(`${server.url}/v1/samples/sphere`);
@@ -144,7 +144,7 @@ export async function drive(build, seconds = 20, slow = 200) {
   await load.run({...spec, clients: 4, seconds: 1});  // the first requests start threads
   const peak = await sweep(server, load, spec, seconds / 4, state);
   const shares = [];
-  for (const factor of [1, 2, 3])
+  for (const factor of factors)
     shares.push(await overload(server, load, spec, {factor, peak, seconds}, state));
   load.close();
   if (server.crashes || await server.stop() !== 0) state.problems.push('it did not end well');

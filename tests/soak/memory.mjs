@@ -6,7 +6,6 @@ import {LoadProcess} from './lib/load_process.mjs';
 import {mib, peakOf, rssOf, table} from './lib/measure.mjs';
 import {Server, jsonOf, main, makeFolder, post, removeFolder, request, sleep, until} from './support.mjs';
 
-const kIdle = 2000;  // milliseconds; what is freed then, the server does not need
 const kClients = 4;
 
 // Converts `count` grids, nine tiny ones for each of medium size, by synchronous requests.
@@ -44,11 +43,11 @@ async function submit(server, folder, grids, count) {
 }
 
 // @return rows of {jobs, rss, peak}, one for each step: does it end, or go on?
-async function grow(server, jobs, step, work, problems) {
+async function grow(server, {jobs, step, idle}, work, problems) {
   const rows = [];
   for (let done = 0; done < jobs; done += step) {
     problems.push(...await work(step));
-    await sleep(kIdle);
+    await sleep(idle);
     rows.push({jobs: done + step, rss: rssOf(server.servingPid), peak: peakOf(server.servingPid)});
   }
   if (server.crashes || await server.stop() !== 0) problems.push('the server did not end well');
@@ -61,8 +60,9 @@ function judge(name, rows, problems) {
   return [`growth, ${name}`, `${(100 * growth).toFixed(1)} %`];
 }
 
-// thousands: of synchronous jobs; of asynchronous ones there are three tenths as many.
-export async function drive(build, thousands = 10, step = 1000) {
+// thousands: of synchronous jobs; of asynchronous ones there are three tenths as many. step: what a
+// thousand is; idle: milliseconds before the memory is looked at.
+export async function drive(build, thousands = 10, step = 1000, idle = 2000) {
   const folder = makeFolder();
   const problems = [];
   const grids = {};
@@ -72,12 +72,12 @@ export async function drive(build, thousands = 10, step = 1000) {
     grids[name] = (await request(`${server.url}/v1/samples/${name}`)).body;
     writeFileSync(join(folder, name), grids[name]);
   }
-  const sync = await grow(server, thousands * step, step,
+  const sync = await grow(server, {jobs: thousands * step, step, idle},
     (count) => convert(server, load, folder, count), problems);
   load.close();
   const args = ['--kept-jobs', String(step), '--state-dir', join(folder, 'state')];
   const durable = await Server.real(build, args);
-  const stored = await grow(durable, Math.ceil(0.3 * thousands) * step, step,
+  const stored = await grow(durable, {jobs: Math.ceil(0.3 * thousands) * step, step, idle},
     (count) => submit(durable, folder, grids, count), problems);
   removeFolder(folder);
   const rows = [['synchronous', sync], ['asynchronous, --state-dir', stored]].flatMap(([name, list]) =>

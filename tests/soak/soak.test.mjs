@@ -21,9 +21,9 @@ for (const [name, drive] of [
   ['poison', () => poison(build, 1)],
   ['sigterm', () => sigterm(build, 3)],
   ['disk full', () => diskFull(build, 1)],
-  ['load', () => load(build, 1, 60)],
-  ['memory', () => memory(build, 4, 100)],
-  ['attacks', () => attacks(build, 1, isShort)],
+  ['load', () => load(build, 1, 60, [3])],
+  ['memory', () => memory(build, 4, 100, 300)],
+  ['attacks', () => attacks(build, 1, isShort, 100)],
 ])
   test(`soak: ${name}`, async (t) => {
     const {problems, skipped} = await drive();

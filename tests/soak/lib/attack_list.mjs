@@ -35,6 +35,8 @@ async function smallResult(server) {
   return `${headers.location}/result`;
 }
 
+const boundless = ({sent}) => sent >= kEndless ? 'all of it was taken' : '';
+
 const slowHead = (target, length) =>
   `POST ${target} HTTP/1.1\r\nHost: soak\r\nContent-Length: ${length}\r\n\r\n`;
 
@@ -94,15 +96,17 @@ const framingAttacks = () => [
     Buffer.from(`${bytes.chunkedHead('/v1/regularize')}${size}\r\nab\r\n0\r\n\r\n`))),
   once('chunk size 2^64 - 2', () =>
     Buffer.from(`${bytes.chunkedHead('/v1/regularize')}FFFFFFFFFFFFFFFE\r\nab\r\n0\r\n\r\n`)),
-  once('endless request line', () => bytes.follow('GET /', bytes.endless('a', kEndless))),
-  once('endless header line', () =>
-    bytes.follow('GET / HTTP/1.1\r\nHost: soak\r\nX-A: ', bytes.endless('a', kEndless))),
-  once('endless line of a chunk size', () =>
-    bytes.follow(`${bytes.chunkedHead('/v1/regularize')}1;`, bytes.endless('a', kEndless))),
-  once('endless trailers', () =>
-    bytes.follow(`${bytes.chunkedHead('/v1/regularize')}1\r\na\r\n0\r\n`, bytes.endless('X-A: 1\r\n', kEndless))),
+  ...[
+    ['request line', () => bytes.follow('GET /', bytes.endless('a', kEndless))],
+    ['header line', () => bytes.follow('GET / HTTP/1.1\r\nHost: soak\r\nX-A: ', bytes.endless('a', kEndless))],
+    ['line of a chunk size', () =>
+      bytes.follow(`${bytes.chunkedHead('/v1/regularize')}1;`, bytes.endless('a', kEndless))],
+    ['trailers', () => bytes.follow(`${bytes.chunkedHead('/v1/regularize')}1\r\na\r\n0\r\n`,
+      bytes.endless('X-A: 1\r\n', kEndless))],
+  ].map(([what, make]) => once(`endless ${what}`, make, {check: boundless})),
   once('endless body in chunks', () =>
-    bytes.follow(bytes.chunkedHead('/v1/regularize'), bytes.chunks(bytes.endless('a', kEndless))), {growth: kMaxUpload + kSlack}),
+    bytes.follow(bytes.chunkedHead('/v1/regularize'), bytes.chunks(bytes.endless('a', kEndless))),
+  {check: boundless, growth: kMaxUpload + kSlack}),
 ];
 
 // A header of the answer that the client has made up.

@@ -6,12 +6,18 @@ import {fieldOf} from './wire.mjs';
 import {outcomeOf} from './slow.mjs';
 
 const kPatience = 60000;  // milliseconds for an answer
+const kPiece = 64 << 10;  // bytes
 const kKeep = 64 << 10;   // bytes of an answer
 
 // Whether an answer is there as a whole.
 function isWhole(received) {
   const end = received.indexOf('\r\n\r\n');
   return end >= 0 && received.length - end - 4 >= Number(fieldOf(received.slice(0, end), 'content-length') ?? 0);
+}
+
+// In pieces, so that an answer can come between them.
+function* sliced(bytes) {
+  for (let at = 0; at < bytes.length; at += kPiece) yield bytes.subarray(at, at + kPiece);
 }
 
 const drained = (socket) => new Promise((done) => socket.once('drain', done));
@@ -47,7 +53,7 @@ export async function shoot(address, pieces) {
     at ??= performance.now();
     end();
   });
-  const sending = sendAll(socket, Buffer.isBuffer(pieces) ? [pieces] : pieces);
+  const sending = sendAll(socket, Buffer.isBuffer(pieces) ? sliced(pieces) : pieces);
   const patience = new AbortController();
   const lost = sleep(kPatience, 'no answer', {signal: patience.signal}).catch(() => {});
   const verdict = await Promise.race([over, lost]);
