@@ -68,6 +68,8 @@ HttpSettings httpSettings(const Settings& settings, Metrics& metrics) {
     http.net.headTimeout = settings.headerTimeout;
     http.net.bodyTimeout = settings.bodyTimeout;
     http.net.leastRate = settings.minBodyRate;
+    // Chunks of a few bytes and trailers without end are no grids.
+    http.net.bodyBytes = 2 * settings.maxUpload + (std::uint64_t{1} << 20);
     http.net.writeGrace = settings.writeTimeout;
     http.net.idleTimeout = settings.idleTimeout;
     http.trustedProxies = settings.trustedProxies;

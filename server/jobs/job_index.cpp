@@ -8,8 +8,8 @@ namespace {
 
 using core::ErrorCode;
 
-/// Ids remembered to answer "expired" instead of "not found"; about 150 bytes each.
-constexpr std::size_t kRemembered = 65536;
+/// Ids remembered to answer "expired" instead of "not found"; about 250 bytes each.
+constexpr std::size_t kRemembered = 4096;
 
 }  // namespace
 

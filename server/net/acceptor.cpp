@@ -13,6 +13,9 @@
 namespace rivage::server {
 namespace {
 
+/// Bytes that the kernel takes beyond those on their way.
+constexpr int kUnsent = 256 << 10;
+
 Fd openReserve() { return Fd(::open("/dev/null", O_RDONLY | O_CLOEXEC)); }
 
 void nameOf(const sockaddr_storage& name, Accepted& accepted) {
@@ -48,6 +51,9 @@ std::optional<Accepted> Acceptor::next() {
             const int on = 1;
             if (name.ss_family != AF_UNIX) {
                 ::setsockopt(accepted.fd.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+                // What a slow reader leaves behind lies with us once, not in the kernel for each.
+                ::setsockopt(accepted.fd.get(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsent,
+                             sizeof kUnsent);
                 ::setsockopt(accepted.fd.get(), SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
             }
             nameOf(name, accepted);

@@ -79,8 +79,10 @@ ssize_t ConnectionStream::read(char* into, std::size_t size) {
 Io ConnectionStream::receive(std::span<char> into) {
     while (true) {
         const Io io = connection_.channel.read(into);
-        if (io.status == IoStatus::done || io.status == IoStatus::ended) return io;
-        if (io.status == IoStatus::failed || !waitForBody(io.status)) {
+        if (io.status == IoStatus::ended) return io;
+        if (io.status == IoStatus::done && received_ + io.bytes <= limits_.bodyBytes) return io;
+        if (io.status == IoStatus::done || io.status == IoStatus::failed ||
+            !waitForBody(io.status)) {
             error_ = bodyTimedOut_ ? httplib::Error::Timeout : httplib::Error::Read;
             return {IoStatus::failed, 0};
         }

@@ -21,6 +21,8 @@ constexpr std::size_t kReadSize = 16 << 10;
 constexpr auto kTick = 50ms;
 /// Accepted in a row, before other connections have their turn.
 constexpr int kAcceptBurst = 64;
+/// Sent to one client, before other connections have their turn.
+constexpr std::size_t kTurn = 1 << 20;
 /// Refused connections that may wait for their clients to close; beyond, they are cut off.
 constexpr std::size_t kMaxRefused = 256;
 
@@ -221,7 +223,7 @@ void Front::resume(Connection& connection) {
 }
 
 void Front::sendTail(Connection& connection) {
-    const IoStatus status = connection.out.flush(connection.channel);
+    const IoStatus status = connection.out.flush(connection.channel, kTurn);
     if (status == IoStatus::wantRead || status == IoStatus::wantWrite)
         return arm(connection, status);
     if (status != IoStatus::done) return close(connection);

@@ -16,8 +16,9 @@ struct NetLimits {
     std::size_t lineBytes = 8 << 10;  ///< of the request line (414) or of one header (431)
     std::size_t headBytes = 32 << 10;
     std::size_t headers = 100;
-    Time headTimeout{10000};         ///< for a whole head, from the connection or its first byte on
-    Time bodyTimeout{300000};        ///< for a whole body
+    Time headTimeout{10000};   ///< for a whole head, from the connection or its first byte on
+    Time bodyTimeout{300000};  ///< for a whole body
+    std::uint64_t bodyBytes = ~std::uint64_t{0};  ///< of a body with its chunks and trailers
     Time bodyGrace{10000};           ///< window in which a body must come at the least rate
     Time writeGrace{10000};          ///< window in which an answer must be taken at the least rate
     std::uint64_t leastRate = 1024;  ///< bytes per second, over each window

@@ -22,8 +22,9 @@ Io Output::sendNow(Channel& channel, std::string_view bytes) {
     return io;
 }
 
-IoStatus Output::flush(Channel& channel) {
-    while (!pieces_.empty()) {
+IoStatus Output::flush(Channel& channel, std::size_t most) {
+    for (const std::uint64_t begin = sent_; !pieces_.empty();) {
+        if (sent_ - begin >= most) return IoStatus::wantWrite;
         Piece& piece = pieces_.front();
         const Io io = sendNow(channel, piece.bytes);
         if (io.status != IoStatus::done) return io.status;

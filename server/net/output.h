@@ -36,8 +36,9 @@ public:
 
     /// Sends bytes that are not in the queue, which must be empty. @return as `Channel::write`
     Io sendNow(Channel& channel, std::string_view bytes);
-    /// Sends until the queue is empty or the socket takes no more.
-    IoStatus flush(Channel& channel);
+    /// Sends until the queue is empty, the socket takes no more, or `most` bytes are on their way:
+    /// then it is as if the socket took no more.
+    IoStatus flush(Channel& channel, std::size_t most = ~std::size_t{0});
 
 private:
     struct Piece {

@@ -88,6 +88,22 @@ TEST_CASE("slow bodies: a trickle, a silence and a long body end with 408") {
     CHECK(byRate.waitFor(Phase::body, 0));
 }
 
+TEST_CASE("regression: trailers without end are bounded as the body is") {
+    NetLimits limits;
+    limits.bodyBytes = 1 << 20;
+    const NetServer server(limits);
+    const RawClient client(server.address);
+    client.send(
+        "POST /upload HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n1\r\na\r\n0\r\n");
+    std::string lines;
+    while (lines.size() < 64 << 10) lines += "X-A: 1\r\n";
+    std::size_t sent = 0;
+    while (sent < 64U << 20 && client.send(lines)) sent += lines.size();
+    CHECK(sent < 16U << 20);
+    CHECK(server.waitFor(Phase::body, 0));
+    CHECK(quickMilliseconds(server.address) < 1000);
+}
+
 TEST_CASE("slow bodies: they hold threads, and yet others are answered at once") {
     const NetServer server;
     const Clients slow =
