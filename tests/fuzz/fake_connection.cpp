@@ -25,13 +25,13 @@ constexpr std::size_t kMaxUpload = 1 << 16;  // small: the fuzzer shall reach it
 /// Both ends of a connection in memory.
 class MemoryStream final : public httplib::Stream {
 public:
-    explicit MemoryStream(std::string_view input) : rest_(input) {}
+    MemoryStream(std::string_view input, std::size_t piece) : rest_(input), piece_(piece) {}
 
     bool is_readable() const override { return !rest_.empty(); }
     bool wait_readable() const override { return true; }
     bool wait_writable() const override { return true; }
     ssize_t read(char* to, std::size_t size) override {
-        const std::size_t n = std::min(size, rest_.size());
+        const std::size_t n = std::min({size, rest_.size(), piece_});
         if (n > 0) std::memcpy(to, rest_.data(), n);
         rest_.remove_prefix(n);
         return static_cast<ssize_t>(n);
@@ -55,6 +55,7 @@ public:
 
 private:
     std::string_view rest_;
+    const std::size_t piece_;
     std::string output_;
 };
 
@@ -95,6 +96,8 @@ void upload(const httplib::Request& request, httplib::Response& response,
         return server::writeError(exchange, options.error());
     }
     server::writeJson(response, 200, proto::toJson(*options));
+    response.body += upload->name + "\n";
+    response.body.append(reinterpret_cast<const char*>(upload->grid.data()), upload->grid.size());
 }
 
 /// The library's server, for its reading of one request.
@@ -115,16 +118,16 @@ public:
 
 }  // namespace
 
-std::string serve(std::string_view request) {
+std::string serve(std::string_view request, std::size_t piece) {
     static FuzzServer server;
     // A head is scanned before the library sees it, in the pieces in which it comes.
     server::HeadScanner scanner;
-    for (std::size_t piece = 1;; piece = std::min(3 * piece, request.size())) {
-        const auto verdict = scanner.scan(request.substr(0, piece), server::NetLimits());
+    for (std::size_t come = 1;; come = std::min(3 * come, request.size())) {
+        const auto verdict = scanner.scan(request.substr(0, come), server::NetLimits());
         require(!verdict.complete || scanner.size() <= request.size());
-        if (verdict.complete || verdict.status != 0 || piece >= request.size()) break;
+        if (verdict.complete || verdict.status != 0 || come >= request.size()) break;
     }
-    MemoryStream stream(request);
+    MemoryStream stream(request, piece);
     server.answer(stream);
     return std::move(stream.output());
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -10,8 +11,9 @@ namespace rivage::fuzz {
 /// this thread, without a socket.
 ///
 /// Stops the process if more than the limit is taken as a grid, or if what is refused has no
-/// proper problem.
+/// proper problem. The body of a success is the options, the name and the grid.
+/// @param piece  how many bytes come at a time, at least 1
 /// @return what the server writes
-std::string serve(std::string_view request);
+std::string serve(std::string_view request, std::size_t piece = std::string_view::npos);
 
 }  // namespace rivage::fuzz
