@@ -1,6 +1,7 @@
 #include "server/jobs/job_index.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 namespace rivage::server {
@@ -8,10 +9,17 @@ namespace {
 
 using core::ErrorCode;
 
-/// Ids remembered to answer "expired" instead of "not found"; about 250 bytes each.
-constexpr std::size_t kRemembered = 4096;
+/// Jobs remembered to answer "expired" instead of "not found", in memory that does not grow.
+constexpr std::size_t kRemembered = 16384;
+
+/// What is left of a job that has expired; that two have the same is out of the question.
+std::uint64_t remains(const std::string& owner, const std::string& id) {
+    return std::hash<std::string>{}(owner + '\n' + id);
+}
 
 }  // namespace
+
+JobIndex::JobIndex(const StoreLimits& limits) : limits_(limits), expired_(kRemembered) {}
 
 void JobIndex::add(std::shared_ptr<Job> job) {
     const std::lock_guard lock(mutex_);
@@ -23,8 +31,7 @@ core::Result<std::shared_ptr<Job>> JobIndex::find(const std::string& owner,
     const std::lock_guard lock(mutex_);
     const auto found = jobs_.find(id);
     if (found != jobs_.end() && found->second->facts().owner == owner) return found->second;
-    const auto expired = expired_.find(id);
-    if (expired != expired_.end() && expired->second == owner)
+    if (std::find(expired_.begin(), expired_.end(), remains(owner, id)) != expired_.end())
         return core::fail(ErrorCode::expired, "this job has expired", "/id");
     return core::fail(ErrorCode::notFound, "there is no job with this id", "/id");
 }
@@ -92,11 +99,7 @@ void JobIndex::expireOldest() {
     const std::string& id = oldest.job->id();
     jobs_.erase(id);
     changes_.gone.push_back(id);
-    if (expired_.emplace(id, oldest.job->facts().owner).second) expiredOrder_.push_back(id);
-    if (expiredOrder_.size() > kRemembered) {
-        expired_.erase(expiredOrder_.front());
-        expiredOrder_.pop_front();
-    }
+    expired_[nextExpired_++ % kRemembered] = remains(oldest.job->facts().owner, id);
 }
 
 void JobIndex::forget(const std::string& id) {

@@ -34,7 +34,7 @@ struct StoreLimits {
 /// Where jobs can be found by id, while they run and for some time after.
 class JobIndex {
 public:
-    explicit JobIndex(const StoreLimits& limits) : limits_(limits) {}
+    explicit JobIndex(const StoreLimits& limits);
     void add(std::shared_ptr<Job> job);
     /// Of this owner only. @errors notFound; expired if it was here
     [[nodiscard]] core::Result<std::shared_ptr<Job>> find(const std::string& owner,
@@ -77,8 +77,8 @@ private:
     };
     std::map<std::string, Kept> results_;  ///< of ended jobs, by sha-256
     std::uint64_t keptBytes_ = 0;
-    std::map<std::string, std::string> expired_;  ///< owners of jobs that were here, by id
-    std::deque<std::string> expiredOrder_;
+    std::vector<std::uint64_t> expired_;  ///< digests of owners and ids that were here; a ring
+    std::size_t nextExpired_ = 0;
     Changes changes_;
 };
 
