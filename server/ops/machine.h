@@ -12,7 +12,8 @@ namespace rivage::server {
 /// Bytes of memory that this process may use: physical memory, cut by the limit of its cgroup.
 [[nodiscard]] std::uint64_t usableMemory();
 
-/// Keeps the memory of this process flat: few malloc arenas, large blocks returned at once.
+/// Keeps the memory of this process flat: one malloc arena, so that what lives long lies together;
+/// large blocks go back to the system at once.
 void tuneMemory();
 
 }  // namespace rivage::server
