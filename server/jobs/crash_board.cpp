@@ -183,11 +183,4 @@ void CrashBoard::clear() noexcept {
     for (Slot& slot : memory_->slots) slot.state = kFree;
 }
 
-bool CrashBoard::release(const std::string& hex) {
-    const std::lock_guard lock(mutex_);
-    Input* const input = memory_->find(bytesOf(hex).data());
-    if (input) input->crashes = 0;
-    return input != nullptr;
-}
-
 }  // namespace rivage::server

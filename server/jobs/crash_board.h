@@ -43,8 +43,6 @@ public:
     void end(std::size_t slot);
     /// The process ends on purpose with jobs under way: none of them counts.
     void clear() noexcept;
-    /// Lifts a quarantine. @return whether the input had crashes
-    bool release(const std::string& hex);
 
 private:
     struct Memory;

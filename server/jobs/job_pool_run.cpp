@@ -35,7 +35,11 @@ core::Result<void> JobPool::recover() {
 }
 
 void JobPool::recover(const JobRecord& record) {
-    const auto deadline = Clock::now() + settings_.deadline;
+    const auto options = proto::parseOptions({}, record.options);
+    // What was accepted gets its whole time again, however long nobody served.
+    const auto time = static_cast<std::uint64_t>(settings_.deadline.count());
+    const std::uint64_t asked = options ? options->run.deadlineMs.value_or(time) : time;
+    const auto deadline = Clock::now() + std::chrono::milliseconds(std::min(asked, time));
     const auto job = std::make_shared<Job>(record, deadline);
     index_.add(job);
     idempotency_.remember(job);
@@ -49,7 +53,6 @@ void JobPool::recover(const JobRecord& record) {
         ++stats_.unfinished;
         ++unfinished_[record.owner];
     }
-    const auto options = proto::parseOptions({}, record.options);
     auto input = storage_.blobs->open(digestOf(record.inputSha256));
     std::optional<Error> error;
     if (storage_.crashes && storage_.crashes->crashes(record.inputSha256) >= kPoisonous)
@@ -233,7 +236,8 @@ void JobPool::keepRecords() {
     }
     unsaved.insert(unsaved.end(), changes.changed.begin(), changes.changed.end());
     for (const auto& job : unsaved) {
-        if (!job->durable() || save(*job)) continue;
+        const bool forgotten = !index_.find(job->facts().owner, job->id());
+        if (forgotten || !job->durable() || save(*job)) continue;
         const std::lock_guard lock(mutex_);
         unsaved_.push_back(job);
     }

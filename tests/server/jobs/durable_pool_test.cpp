@@ -219,6 +219,7 @@ TEST_CASE("JobPool: without room a durable job is refused; one that ended is sav
     }
     Process second(folder.path());
     CHECK(second.find(id)->state() == JobState::succeeded);
+    CHECK(second.pool->list({}).size() == 1);
     CHECK(second.gate.started == 0);
 }
 
