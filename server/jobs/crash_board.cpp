@@ -162,8 +162,11 @@ int CrashBoard::crashes(const std::string& hex) const {
 void CrashBoard::begin(std::size_t slot, const std::string& hex) {
     assert(slot < kSlots);
     const auto digest = bytesOf(hex);
-    std::ranges::copy(digest, memory_->slots[slot].digest);
-    memory_->slots[slot].state.store(kRunning, std::memory_order_release);
+    Slot& begun = memory_->slots[slot];
+    // Free first: a crash right here would find half of each digest in a slot that was not ended.
+    begun.state.exchange(kFree);
+    std::ranges::copy(digest, begun.digest);
+    begun.state.store(kRunning, std::memory_order_release);
 }
 
 void CrashBoard::accuse(std::size_t slot) noexcept {
