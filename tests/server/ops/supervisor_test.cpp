@@ -6,7 +6,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -28,7 +30,12 @@ struct Board {
     std::atomic<int> restarts{0};
     std::atomic<int> requests{0};
     std::atomic<pid_t> serving{0};
+    std::array<std::atomic<long>, 5> begun{};  ///< when each life began, in ms
+    std::atomic<long> crashed{0};              ///< when the last crash came, in ms
 };
+
+/// The same clock for all processes.
+long milliseconds() { return std::chrono::steady_clock::now().time_since_epoch() / 1ms; }
 
 class Shared {
 public:
@@ -74,7 +81,7 @@ private:
 
 template <typename Condition>
 bool soon(Condition condition) {
-    for (int i = 0; i < 2000 && !condition(); ++i) std::this_thread::sleep_for(1ms);
+    for (int i = 0; i < 10000 && !condition(); ++i) std::this_thread::sleep_for(1ms);
     return condition();
 }
 
@@ -91,6 +98,32 @@ int serveUntilAsked(Supervision& supervision, const Shared& shared) {
         if (request == SignalRequest::end) return 130;
         if (request == SignalRequest::stopSoon) return 0;
     }
+}
+
+/// How long a process of this size takes to begin and to be gone: with a sanitizer, as long as the
+/// pauses in question. In ms.
+long processCost() {
+    const long begin = milliseconds();
+    const pid_t process = ::fork();
+    if (process == 0) ::raise(SIGKILL);
+    ::waitpid(process, nullptr, 0);
+    return milliseconds() - begin;
+}
+
+/// Between the lives of a process that is killed at once, in ms.
+std::array<long, 4> pausesOfFiveLives() {
+    const Shared shared;
+    Program program([&](Supervision&) {
+        const int life = shared->lives++;
+        shared->begun[life] = milliseconds();
+        if (life < 4) ::raise(SIGKILL);
+        return 0;
+    });
+    CHECK(program.code() == 0);
+    std::array<long, 4> pauses{};
+    for (std::size_t i = 0; i < pauses.size(); ++i)
+        pauses[i] = shared->begun[i + 1] - shared->begun[i];
+    return pauses;
 }
 
 }  // namespace
@@ -114,41 +147,38 @@ TEST_CASE("supervisor: after a signal or a wrong code it serves again within a s
     for (const int how : {SIGSEGV, SIGKILL, SIGABRT, -1, -70}) {
         CAPTURE(how);
         const Shared shared;
-        const auto begin = std::chrono::steady_clock::now();
         Program program([&](Supervision& supervision) {
             supervision.started = true;
             shared->restarts = static_cast<int>(supervision.restarts);
-            if (++shared->lives == 2) return 0;
+            const int life = shared->lives++;
+            shared->begun[life] = milliseconds();
+            if (life == 1) return 0;
+            shared->crashed = milliseconds();
             if (how > 0) ::raise(how);
             return -how;
         });
         CHECK(program.code() == 0);
-        CHECK(std::chrono::steady_clock::now() - begin < 1s);
+        CHECK(shared->begun[1] - shared->crashed < 1000);
         CHECK(shared->lives == 2);
         CHECK(shared->restarts == 1);
     }
 }
 
 TEST_CASE("supervisor: quick crashes in a row are spaced out, the first is not") {
-    const Shared shared;
-    std::array<std::atomic<long>, 5>* const times =
-        new (::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0))
-            std::array<std::atomic<long>, 5>;
-    Program program([&](Supervision&) {
-        const int life = shared->lives++;
-        (*times)[life] = std::chrono::steady_clock::now().time_since_epoch() / 1ms;
-        if (life < 4) ::raise(SIGKILL);
-        return 0;
-    });
-    CHECK(program.code() == 0);
-    const long least[] = {0, 100, 200, 400};
-    for (int i = 0; i < 4; ++i) {
+    constexpr std::array<long, 4> kLeast = {0, 100, 200, 400};
+    const long most = 90 + processCost();
+    std::array<long, 4> shortest = pausesOfFiveLives();
+    const auto tooLong = [&](std::size_t i) { return shortest[i] >= kLeast[i] + most; };
+    // A busy machine adds to some pauses, but not to the same ones each time.
+    for (int again = 0; again < 4 && (tooLong(0) || tooLong(1) || tooLong(2) || tooLong(3));
+         ++again)
+        std::ranges::transform(shortest, pausesOfFiveLives(), shortest.begin(),
+                               [](long a, long b) { return std::min(a, b); });
+    for (std::size_t i = 0; i < kLeast.size(); ++i) {
         CAPTURE(i);
-        const long pause = (*times)[i + 1] - (*times)[i];
-        CHECK(pause >= least[i]);
-        CHECK(pause < least[i] + 90);
+        CHECK(shortest[i] >= kLeast[i]);
+        CHECK(shortest[i] < kLeast[i] + most);
     }
-    ::munmap(times, 4096);
 }
 
 TEST_CASE("supervisor: signals go on; a second stop signal ends at once") {
@@ -195,13 +225,15 @@ TEST_CASE("supervisor: a crash while it stops is the end") {
 TEST_CASE("supervisor: a stop signal ends a pause between crashes") {
     const Shared shared;
     Program program([&](Supervision&) {
+        shared->serving = ::getpid();
         ++shared->lives;
         ::raise(SIGKILL);
         return 0;
     });
     REQUIRE(soon([&] { return shared->lives == 6; }));  // the next pause takes 1.6 s
+    // It begins when the supervisor has taken the status of the process.
+    REQUIRE(soon([&] { return ::kill(shared->serving, 0) != 0; }));
     const auto begin = std::chrono::steady_clock::now();
-    std::this_thread::sleep_for(20ms);
     program.send(SIGTERM);
     CHECK(program.code() == 0);
     CHECK(std::chrono::steady_clock::now() - begin < 500ms);
