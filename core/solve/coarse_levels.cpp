@@ -1,9 +1,9 @@
 #include "core/solve/coarse_levels.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/base/parallel.h"
+#include "core/base/union_find.h"
 
 namespace rivage::core {
 namespace {
@@ -56,24 +56,6 @@ std::vector<Edge> listEdges(const Energy& energy, const FloatOperator& operation
     return edges;
 }
 
-/// Disjoint sets; the smallest member names its set.
-class Sets {
-public:
-    explicit Sets(std::size_t count) : up_(count) { std::iota(up_.begin(), up_.end(), 0U); }
-    std::uint32_t find(std::uint32_t i) {
-        while (up_[i] != i) i = up_[i] = up_[up_[i]];
-        return i;
-    }
-    void unite(std::uint32_t a, std::uint32_t b) {
-        a = find(a);
-        b = find(b);
-        up_[std::max(a, b)] = std::min(a, b);
-    }
-
-private:
-    std::vector<std::uint32_t> up_;
-};
-
 }  // namespace
 
 /// The pieces of one level: where they are and how they hang together.
@@ -103,10 +85,10 @@ void CoarseLevels::addLevel(Graph& graph) {
     const std::size_t count = graph.boxes.size();
     for (auto& box : graph.boxes)
         for (int& side : box) side >>= 1;
-    Sets sets(count);
+    UnionFind sets(count);
     serialFor(graph.edges.size(), workers_, [&](std::size_t i) {
         const Edge& e = graph.edges[i];
-        if (graph.boxes[e.a] == graph.boxes[e.b]) sets.unite(e.a, e.b);
+        if (graph.boxes[e.a] == graph.boxes[e.b]) sets.join(e.a, e.b);
     });
 
     Level level;
