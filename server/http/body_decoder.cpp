@@ -5,8 +5,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <vector>
+
+#include "server/http/text.h"
 
 namespace rivage::server {
 namespace {
@@ -91,9 +92,7 @@ private:
 enum class Coding : std::uint8_t { identity, zlib, zstd, unknown };
 
 Coding codingOf(std::string_view encoding) {
-    std::string name(encoding);
-    std::transform(name.begin(), name.end(), name.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string name = lowerCase(encoding);
     if (name.empty() || name == "identity") return Coding::identity;
     if (name == "gzip" || name == "x-gzip" || name == "deflate") return Coding::zlib;
     return name == "zstd" ? Coding::zstd : Coding::unknown;

@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <cctype>
 
+#include "server/http/exchange.h"
+#include "server/http/text.h"
+
 namespace rivage::server {
 namespace {
 
 using core::ErrorCode;
 using core::fail;
-
-std::string_view trimmed(std::string_view text) {
-    text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
-    return text.substr(0, text.find_last_not_of(" \t") + 1);
-}
 
 bool isKey(std::string_view key) {
     return !key.empty() && (std::islower(static_cast<unsigned char>(key[0])) || key[0] == '*') &&
@@ -69,16 +67,11 @@ core::Result<std::optional<Sha256>> parseDigestField(std::string_view field) {
 
 core::Result<std::optional<Sha256>> digestHeader(const httplib::Request& request,
                                                  const char* name) {
-    const std::size_t lines = request.get_header_value_count(name);
-    if (lines == 0) return std::optional<Sha256>();
-    std::string field = request.get_header_value(name);
-    for (std::size_t i = 1; i < lines; ++i) field += "," + request.get_header_value(name, "", i);
-    auto digest = parseDigestField(field);
+    if (!request.has_header(name)) return std::optional<Sha256>();
+    auto digest = parseDigestField(listField(request, name));
     if (digest) return digest;
     core::Error error = digest.error();
-    error.field = std::string("/headers/") + name;
-    std::transform(error.field.begin(), error.field.end(), error.field.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    error.field = "/headers/" + lowerCase(name);
     return fail(std::move(error));
 }
 

@@ -1,8 +1,9 @@
 #include "server/http/form_parser.h"
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
+
+#include "server/http/text.h"
 
 namespace rivage::server {
 namespace {
@@ -13,19 +14,6 @@ constexpr std::size_t kMaxIgnored = 4 << 10;
 /// Bodies are taken in pieces of this size, so that the buffer stays small.
 constexpr std::size_t kPieceBytes = 16 << 10;
 
-std::string lower(std::string_view text) {
-    std::string result(text);
-    std::transform(result.begin(), result.end(), result.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return result;
-}
-
-std::string_view trimmed(std::string_view text) {
-    const std::size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
-    text.remove_prefix(begin);
-    return text.substr(0, text.find_last_not_of(" \t") + 1);
-}
-
 /// Takes `name=value` or `name="value"` off a list of parameters that begins with ';'.
 /// @return false at the end, or if it is malformed: then `list` is not empty
 bool takeParameter(std::string_view& list, std::string& name, std::string& value) {
@@ -34,7 +22,7 @@ bool takeParameter(std::string_view& list, std::string& name, std::string& value
     list.remove_prefix(1);
     const std::size_t equals = list.find('=');
     if (equals == std::string_view::npos) return false;
-    name = lower(trimmed(list.substr(0, equals)));
+    name = lowerCase(trimmed(list.substr(0, equals)));
     list = trimmed(list.substr(equals + 1));
     value.clear();
     if (!list.starts_with('"')) {
@@ -67,7 +55,8 @@ bool isBoundary(std::string_view text) {
 
 std::optional<std::string> formBoundary(std::string_view contentType) {
     const std::size_t end = std::min(contentType.find(';'), contentType.size());
-    if (lower(trimmed(contentType.substr(0, end))) != "multipart/form-data") return std::nullopt;
+    if (lowerCase(trimmed(contentType.substr(0, end))) != "multipart/form-data")
+        return std::nullopt;
     contentType.remove_prefix(end);
     std::string name;
     std::string value;
@@ -153,10 +142,10 @@ bool FormParser::readHead(bool& progress) {
 bool FormParser::readHeadLine(std::string_view line) {
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos || colon == 0) return false;
-    if (lower(line.substr(0, colon)) != "content-disposition") return true;
+    if (lowerCase(line.substr(0, colon)) != "content-disposition") return true;
     std::string_view value = trimmed(line.substr(colon + 1));
     const std::size_t end = std::min(value.find(';'), value.size());
-    if (std::exchange(named_, true) || lower(trimmed(value.substr(0, end))) != "form-data")
+    if (std::exchange(named_, true) || lowerCase(trimmed(value.substr(0, end))) != "form-data")
         return false;
     value.remove_prefix(end);
     std::string name;

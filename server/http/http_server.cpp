@@ -1,6 +1,5 @@
 #include "server/http/http_server.h"
 
-#include <cctype>
 #include <memory>
 #include <utility>
 
@@ -8,6 +7,7 @@
 #include "server/http/cors.h"
 #include "server/http/exchange.h"
 #include "server/http/routes.h"
+#include "server/http/text.h"
 #include "server/http/trace.h"
 #include "server/http/upload.h"
 #include "server/net/answer.h"
@@ -38,8 +38,7 @@ const WebAsset* findAsset(std::span<const WebAsset> assets, const std::string& p
 }
 
 bool expectsTheUnknown(const httplib::Request& request) {
-    std::string expectation = request.get_header_value("Expect");
-    for (char& c : expectation) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string expectation = lowerCase(request.get_header_value("Expect"));
     return !expectation.empty() && expectation != "100-continue";
 }
 

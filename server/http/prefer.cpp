@@ -4,16 +4,12 @@
 #include <charconv>
 #include <string_view>
 
+#include "server/http/text.h"
+
 namespace rivage::server {
 namespace {
 
 constexpr long kLongestWait = 86400;
-
-std::string_view trimmed(std::string_view text) {
-    const std::size_t begin = text.find_first_not_of(" \t");
-    if (begin == std::string_view::npos) return {};
-    return text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
-}
 
 std::optional<std::chrono::seconds> readSeconds(std::string_view text) {
     if (text.size() > 2 && text.front() == '"' && text.back() == '"')

@@ -1,11 +1,10 @@
-#include <algorithm>
-#include <cctype>
 #include <utility>
 
 #include "server/http/form_parser.h"
 #include "server/http/job_answers.h"
 #include "server/http/prefer.h"
 #include "server/http/routes.h"
+#include "server/http/text.h"
 #include "server/http/upload.h"
 #include "server/jobs/idempotency.h"
 #include "server/net/answer.h"
@@ -26,10 +25,6 @@ std::vector<proto::OptionText> queryOptions(const httplib::Request& request) {
     return options;
 }
 
-bool isForm(const httplib::Request& request) {
-    return formBoundary(request.get_header_value("Content-Type")).has_value();
-}
-
 /// The idempotency key of a request, or nothing. @errors malformedRequest
 core::Result<std::string> idempotencyKeyOf(const httplib::Request& request) {
     if (!request.has_header("Idempotency-Key")) return std::string();
@@ -40,22 +35,14 @@ core::Result<std::string> idempotencyKeyOf(const httplib::Request& request) {
 }
 
 bool asksForFreshResult(const httplib::Request& request) {
-    std::string control = listField(request, "Cache-Control");
-    std::transform(control.begin(), control.end(), control.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return control.find("no-cache") != std::string::npos;
+    return lowerCase(listField(request, "Cache-Control")).find("no-cache") != std::string::npos;
 }
 
-/// Reads grid and options. What can be refused before the body is read, is.
+/// Reads grid and options, after `checkSubmission`.
 Answer<JobRequest> readRequest(Exchange& exchange, JobKind kind) {
-    const auto query = queryOptions(exchange.request);
-    const bool form = isForm(exchange.request);
-    auto options = form ? proto::JobOptions{} : proto::parseOptions(query);
-    if (!options) return problem(options.error());
-
     auto upload = readUpload(exchange);
     if (!upload) return tl::unexpected(upload.error());
-    if (form) options = proto::parseOptions(query, upload->options);
+    auto options = proto::parseOptions(queryOptions(exchange.request), upload->options);
     if (!options) return problem(options.error());
 
     JobRequest request{kind, std::move(upload->grid), *std::move(options)};
@@ -171,7 +158,8 @@ void writePromise(Exchange& exchange, const std::shared_ptr<Job>& job) {
 
 Answer<void> checkSubmission(const httplib::Request& request) {
     if (const auto key = idempotencyKeyOf(request); !key) return problem(key.error());
-    if (isForm(request)) return {};  // its options part may still complete them
+    // The options part of a form may still complete them.
+    if (formBoundary(request.get_header_value("Content-Type"))) return {};
     if (const auto options = proto::parseOptions(queryOptions(request)); !options)
         return problem(options.error());
     return {};

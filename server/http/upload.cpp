@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/net/answer.h"
-
 #include "server/http/body_decoder.h"
 #include "server/http/form_parser.h"
+#include "server/net/answer.h"
 
 namespace rivage::server {
 namespace {

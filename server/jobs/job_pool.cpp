@@ -73,12 +73,24 @@ core::Result<JobPool::Ticket> JobPool::admit() {
         full("all workers are busy and the queue is full", settings_.queueLimit, "--queue-limit"));
 }
 
+std::optional<Error> JobPool::quarantine(const std::string& hex) const {
+    if (!storage_.crashes || storage_.crashes->crashes(hex) < kPoisonous) return std::nullopt;
+    return Error{ErrorCode::poison,
+                 "this grid was running when the server crashed, twice; it is not run again"};
+}
+
+/// Where bytes go: those of durable jobs into the store, if there is one.
+BlobStore& JobPool::blobs(bool durable) {
+    if (durable && storage_.blobs) return *storage_.blobs;
+    return memory_;
+}
+
 core::Result<JobFacts> JobPool::describe(const JobRequest& request, const Blob& input) {
     const std::string& hex = input.digest().hex;
-    if (storage_.crashes && storage_.crashes->crashes(hex) >= kPoisonous)
-        return fail(ErrorCode::poison,
-                    "this grid was running when the server crashed, twice; it is not run again",
-                    "/grid");
+    if (auto error = quarantine(hex)) {
+        error->field = "/grid";
+        return fail(*std::move(error));
+    }
     return JobFacts{.id = uuids_.next(std::chrono::system_clock::now()),
                     .kind = request.kind,
                     .owner = request.owner,
@@ -93,20 +105,14 @@ core::Result<JobFacts> JobPool::describe(const JobRequest& request, const Blob& 
                     .inputBytes = input.bytes().size()};
 }
 
-/// Durable jobs have their grid in the store before they are accepted.
-core::Result<BlobPtr> JobPool::keepInput(JobRequest& request) {
-    const bool durable = request.durable && storage_.blobs;
-    BlobStore& store = durable ? *storage_.blobs : static_cast<BlobStore&>(memory_);
-    return store.put(std::move(request.input));
-}
-
 core::Result<std::shared_ptr<Job>> JobPool::submit(Ticket ticket, JobRequest request) {
     const auto longest = static_cast<std::uint64_t>(settings_.deadline.count());
     const std::uint64_t asked = request.options.run.deadlineMs.value_or(longest);
     if (asked > longest)
         return fail(Error{ErrorCode::invalidOption, "deadline_ms is above the server's deadline",
                           "/options/deadline_ms", longest, asked, "--deadline"});
-    const auto input = keepInput(request);
+    // A durable job has its grid in the store before it is accepted.
+    const auto input = blobs(request.durable).put(std::move(request.input));
     if (!input) return fail(input.error());
     auto facts = describe(request, **input);
     if (!facts) return fail(std::move(facts.error()));

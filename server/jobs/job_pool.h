@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -168,8 +169,10 @@ private:
     static constexpr int kPoisonous = 2;
 
     void release() { --places_; }
+    /// Why an input is not run any more, or nothing.
+    [[nodiscard]] std::optional<core::Error> quarantine(const std::string& hex) const;
+    [[nodiscard]] BlobStore& blobs(bool durable);
     core::Result<JobFacts> describe(const JobRequest& request, const Blob& input);
-    core::Result<BlobPtr> keepInput(JobRequest& request);
     void attach(const std::shared_ptr<Job>& job, BlobPtr input, const proto::JobOptions& options,
                 std::shared_ptr<void> place, bool fresh);
     core::Result<void> keepBytes(const Blob& blob);

@@ -54,14 +54,9 @@ void JobPool::recover(const JobRecord& record) {
         ++unfinished_[record.owner];
     }
     auto input = storage_.blobs->open(digestOf(record.inputSha256));
-    std::optional<Error> error;
-    if (storage_.crashes && storage_.crashes->crashes(record.inputSha256) >= kPoisonous)
-        error = Error{ErrorCode::poison,
-                      "this grid was running when the server crashed, twice; it is not run again"};
-    else if (!options)
-        error = options.error();
-    else if (!input)
-        error = Error{ErrorCode::internal, "the grid of this job was lost"};
+    std::optional<Error> error = quarantine(record.inputSha256);
+    if (!error && !options) error = options.error();
+    if (!error && !input) error = Error{ErrorCode::internal, "the grid of this job was lost"};
     if (error) return leave(job, *error);
     ++places_;  // beyond the limit if need be: what was accepted is done
     attach(job, *std::move(input), *options, std::make_shared<Ticket>(this), false);
@@ -131,10 +126,9 @@ RunOutcome JobPool::outcomeOf(const Task& task, core::Result<core::Artifact> art
     if (task.kind() == JobKind::convert) facts->report = proto::writeJson(core::toJson(report));
 
     const auto jobs = task.jobs();
-    const bool durable = storage_.blobs && std::any_of(jobs.begin(), jobs.end(),
-                                                       [](const auto& j) { return j->durable(); });
-    BlobStore& store = durable ? *storage_.blobs : static_cast<BlobStore&>(memory_);
-    auto blob = store.put(std::move(artifact->bytes));
+    const bool durable =
+        std::any_of(jobs.begin(), jobs.end(), [](const auto& job) { return job->durable(); });
+    auto blob = blobs(durable).put(std::move(artifact->bytes));
     if (!blob) {
         facts->report.clear();
         return {.error = std::move(blob.error()), .facts = std::move(facts)};

@@ -1,8 +1,8 @@
 #include <doctest/doctest.h>
-#include <zlib.h>
 
 #include <string>
 
+#include "tests/server/http/packed.h"
 #include "tests/server/test_server.h"
 
 using namespace rivage;
@@ -14,19 +14,7 @@ namespace {
 constexpr const char* kBytes = "application/octet-stream";
 constexpr const char* kRoute = "/v1/regularize";
 
-std::string gzip(const std::string& text) {
-    z_stream stream{};
-    REQUIRE(::deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-    std::string packed(::deflateBound(&stream, text.size()), '\0');
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-    stream.avail_in = static_cast<uInt>(text.size());
-    stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-    stream.avail_out = static_cast<uInt>(packed.size());
-    REQUIRE(::deflate(&stream, Z_FINISH) == Z_STREAM_END);
-    packed.resize(stream.total_out);
-    ::deflateEnd(&stream);
-    return packed;
-}
+std::string gzip(const std::string& text) { return deflated(text, 15 + 16); }
 
 bool isProblem(const std::string& answer, const std::string& status) {
     return answer.starts_with("HTTP/1.1 " + status) &&

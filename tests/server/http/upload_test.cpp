@@ -1,5 +1,4 @@
 #include <doctest/doctest.h>
-#include <zlib.h>
 #include <zstd.h>
 
 #include <fstream>
@@ -8,6 +7,7 @@
 #include <thread>
 
 #include "server/jobs/digest.h"
+#include "tests/server/http/packed.h"
 #include "tests/server/test_server.h"
 
 using namespace rivage;
@@ -16,20 +16,6 @@ using namespace rivage::test;
 namespace {
 
 constexpr const char* kBytes = "application/octet-stream";
-
-std::string deflated(const std::string& text, int windowBits) {
-    z_stream stream{};
-    REQUIRE(::deflateInit2(&stream, 9, Z_DEFLATED, windowBits, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-    std::string packed(::deflateBound(&stream, text.size()), '\0');
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-    stream.avail_in = static_cast<uInt>(text.size());
-    stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-    stream.avail_out = static_cast<uInt>(packed.size());
-    REQUIRE(::deflate(&stream, Z_FINISH) == Z_STREAM_END);
-    packed.resize(stream.total_out);
-    ::deflateEnd(&stream);
-    return packed;
-}
 
 std::string zstd(const std::string& text, int windowLog = 20) {
     ZSTD_CCtx* const context = ::ZSTD_createCCtx();
