@@ -99,8 +99,7 @@ public:
                    .streams = serving.settings.streams,
                    .restarts = serving.supervision.restarts},
           http_(httpSettings(serving.settings, metrics_), service_),
-          admin_(service_),
-          signals_(serving.settings.supervise ? ::getppid() : 0) {}
+          admin_(service_) {}
 
     core::Result<void> start();
     void run();
@@ -261,7 +260,7 @@ int refuse(const core::Error& error) {
 }  // namespace
 
 int serveUntilStopped(const Serving& serving) {
-    const sigset_t signals = handledSignals();
+    const sigset_t signals = servingSignals();
     ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
     tuneMemory();

@@ -4,6 +4,12 @@
 #include <utility>
 
 namespace rivage::server {
+namespace {
+
+/// Real-time signals queue, and carry a number: the signal that is sent on.
+int carrier() { return SIGRTMIN; }
+
+}  // namespace
 
 sigset_t handledSignals() {
     sigset_t signals;
@@ -12,8 +18,18 @@ sigset_t handledSignals() {
     return signals;
 }
 
+sigset_t servingSignals() {
+    sigset_t signals = handledSignals();
+    sigaddset(&signals, carrier());
+    return signals;
+}
+
+void sendOn(pid_t serving, int signal) {
+    ::sigqueue(serving, carrier(), sigval{.sival_int = signal});
+}
+
 SignalRequest SignalReader::next(std::chrono::milliseconds wait) {
-    const sigset_t signals = handledSignals();
+    const sigset_t signals = servingSignals();
     const auto until = std::chrono::steady_clock::now() + wait;
     while (true) {
         const auto left =
@@ -21,11 +37,13 @@ SignalRequest SignalReader::next(std::chrono::milliseconds wait) {
                      std::chrono::nanoseconds(until - std::chrono::steady_clock::now()));
         const timespec time{left.count() / 1'000'000'000, left.count() % 1'000'000'000};
         siginfo_t info{};
-        const int signal = ::sigtimedwait(&signals, &info, &time);
+        const int taken = ::sigtimedwait(&signals, &info, &time);
+        const bool isSentOn = taken == carrier();
+        const int signal = isSentOn ? info.si_value.sival_int : taken;
         if (signal == SIGHUP) return SignalRequest::reload;
-        if (signal > 0) {
-            ++(supervisor_ > 0 && info.si_pid == supervisor_ ? fromSupervisor_ : fromOthers_);
-            const int before = std::exchange(stops_, std::max(fromSupervisor_, fromOthers_));
+        if (signal == SIGTERM || signal == SIGINT) {
+            ++(isSentOn ? sentOn_ : direct_);
+            const int before = std::exchange(stops_, std::max(sentOn_, direct_));
             if (stops_ > before)
                 return stops_ > 1          ? SignalRequest::end
                        : signal == SIGTERM ? SignalRequest::stop

@@ -63,9 +63,11 @@ private:
 int Supervisor::run() {
     waited_ = handledSignals();
     sigaddset(&waited_, SIGCHLD);
-    std::signal(SIGCHLD, SIG_DFL);  // ignored, children would vanish without a status
+    std::signal(SIGCHLD, SIG_DFL);        // ignored, children would vanish without a status
+    sigset_t blocked = servingSignals();  // of a child too, from its first moment
+    sigaddset(&blocked, SIGCHLD);
     sigset_t before;
-    ::sigprocmask(SIG_BLOCK, &waited_, &before);
+    ::sigprocmask(SIG_BLOCK, &blocked, &before);
     std::optional<int> code;
     start();
     while (!code) {
@@ -85,7 +87,7 @@ void Supervisor::start() {
     shared_.started = false;
     childBegan_ = Clock::now();
     const pid_t parent = ::getpid();
-    sigset_t mask = handledSignals();
+    const sigset_t mask = servingSignals();
     child_ = ::fork();
     if (child_ == 0) serveInChild(parent, mask);
     if (child_ < 0) {
@@ -147,7 +149,7 @@ std::chrono::milliseconds Supervisor::pauseAfterCrash() {
 bool Supervisor::handle(int signal) {
     const bool stop = signal == SIGTERM || signal == SIGINT;
     stopping_ |= stop;
-    if (child_ > 0) ::kill(child_, signal);
+    if (child_ > 0) sendOn(child_, signal);
     return stop;
 }
 

@@ -20,7 +20,7 @@ struct Supervision {
 ///
 /// SIGTERM, SIGINT and SIGHUP go on to the serving process, which dies with this one.
 /// Call it before any thread exists.
-/// @param serve  gets SIGTERM, SIGINT and SIGHUP blocked; returns the exit code
+/// @param serve  gets the signals of `servingSignals` blocked; returns the exit code
 /// @return       the exit code of the program: that of a serving process which ended by itself,
 ///               after a stop signal, or with 1 or 2 before anything was served
 int supervise(const std::function<int(Supervision&)>& serve);
