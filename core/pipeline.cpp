@@ -185,13 +185,16 @@ void reportChoices(const NormalEstimate& estimate, SurfaceReport& report) {
     report.featureLinels = estimate.featureLinels;
 }
 
-/// Makes artifacts of what the solver has so far. One that cannot be made is left out: the
-/// conversion itself will say why.
-Observer previewer(const VoxelGrid& grid, const LinkedSurface& made, const Energy& energy,
-                   const OutputOptions& output, const RunContext& run) {
-    if (!run.preview || output.format != OutputFormat::glb) return {};
-    return [&](int step, const PointelVectors& positions) {
+/// Tells the energy of what the solver has so far, and makes artifacts of it. One that cannot be
+/// made is left out: the conversion itself will say why.
+Observer watcher(const VoxelGrid& grid, const LinkedSurface& made, const Energy& energy,
+                 const OutputOptions& output, const RunContext& run) {
+    const bool previews = run.preview && output.format == OutputFormat::glb;
+    if (!run.energy && !previews) return {};
+    return [&, previews](int step, const PointelVectors& positions) {
         const double value = energy.value(positions).total();
+        if (run.energy) run.energy(step, value);
+        if (!previews) return;
         const auto mesh = buildMesh(grid, made.surface, made.links, positions, output, run);
         if (!mesh) return;
         auto bytes = writeGlb(*mesh, output, {{"step", step}, {"energy", value}}, run);
@@ -217,7 +220,7 @@ Result<PointelVectors> regularize(const VoxelGrid& grid, const LinkedSurface& ma
     const Energy energy(surface, std::move(estimate->normals), *std::move(weights), options.energy,
                         run);
     auto solution = minimize(energy, options.solve, run, {},
-                             previewer(grid, made, energy, conversion.output, run));
+                             watcher(grid, made, energy, conversion.output, run));
     if (!solution) return fail(solution.error());
     SolveReport& solve = report.solve;
     solve.solver = solution->solver;

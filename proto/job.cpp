@@ -43,13 +43,22 @@ std::string timestamp(WallTime time) {
     return text;
 }
 
-Json toJson(const JobView& job) {
+Json progressJson(const JobView& job) {
+    const bool solving = job.state == JobState::running && job.solver.has_value();
     return Json{
-        {"id", job.id},
         {"state", stateName(job.state)},
         {"stage", job.stage ? Json(core::stageName(*job.stage)) : Json()},
         {"progress", job.progress},
+        {"step", solving ? Json(job.solver->step) : Json()},
+        {"energy", solving ? Json(job.solver->energy) : Json()},
         {"queue_position", job.queuePosition ? Json(*job.queuePosition) : Json()},
+    };
+}
+
+Json toJson(const JobView& job) {
+    Json json{{"id", job.id}};
+    json.update(progressJson(job));
+    json.update(Json{
         {"attempt", job.attempt},
         {"created", timestamp(job.created)},
         {"started", optionalTime(job.started)},
@@ -59,7 +68,8 @@ Json toJson(const JobView& job) {
         {"report", job.report},
         {"error", job.error ? toJson(*job.error) : Json()},
         {"links", links(job)},
-    };
+    });
+    return json;
 }
 
 Json toJson(const ServiceLimits& limits) {

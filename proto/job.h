@@ -19,12 +19,19 @@ enum class JobState : std::uint8_t { queued, running, succeeded, failed, cancele
 
 using WallTime = std::chrono::system_clock::time_point;
 
+/// Where the solver of a running job was when it last told.
+struct SolverStep {
+    int step = 0;
+    double energy = 0;
+};
+
 /// A job as GET /v1/jobs/{id} shows it.
 struct JobView {
     std::string id;
     JobState state = JobState::queued;
     std::optional<core::Stage> stage = {};          ///< the one that runs, or that it ended in
     double progress = 0;                            ///< 0..1, never falls
+    std::optional<SolverStep> solver = {};          ///< shown while it runs
     std::optional<std::size_t> queuePosition = {};  ///< 0 is next
     int attempt = 0;                                ///< how often it was started
     WallTime created = {};
@@ -38,6 +45,9 @@ struct JobView {
 };
 
 [[nodiscard]] Json toJson(const JobView& job);
+
+/// How far a job is, as its events tell it.
+[[nodiscard]] Json progressJson(const JobView& job);
 
 /// A point in time as RFC 3339 writes it, in UTC with milliseconds.
 [[nodiscard]] std::string timestamp(WallTime time);

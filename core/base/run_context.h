@@ -40,8 +40,8 @@ struct Preview {
 };
 
 /// What every stage gets beside its data: threads, limits, and the ways to stop and to watch it.
-/// The callbacks must be cheap and must not throw; `progress` and `preview` are called from one
-/// thread at a time, `stopRequested` from all threads of a stage, every few milliseconds at least.
+/// The callbacks must be cheap and must not throw; `progress`, `energy` and `preview` are called
+/// from one thread at a time, `stopRequested` from all threads of a stage, every few milliseconds at least.
 struct RunContext {
     int threads = 1;
     Limits limits = {};
@@ -51,6 +51,8 @@ struct RunContext {
     std::function<ErrorCode()> stopReason = {};
     /// A stage begins (`fraction` 0) or has done `fraction` of its work.
     std::function<void(Stage, double fraction)> progress = {};
+    /// The energy at steps 0, 1, 4, 16, ... of the solver; 0 is the voxel surface itself.
+    std::function<void(int step, double energy)> energy = {};
     /// Set if previews are wanted; they change nothing in the result.
     std::function<void(Preview)> preview = {};
 

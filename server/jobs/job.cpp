@@ -100,6 +100,13 @@ void Job::advance(core::Stage stage, double progress) {
     if (next || (further && Clock::now() - lastProgress_ >= kProgressInterval)) addProgressEvent();
 }
 
+void Job::advance(proto::SolverStep solver) {
+    const std::lock_guard lock(mutex_);
+    if (ended()) return;
+    now_.view.solver = solver;
+    addProgressEvent();
+}
+
 void Job::advanceInQueue(std::size_t position) {
     const std::lock_guard lock(mutex_);
     if (now_.view.state == JobState::queued) addProgressEvent(position);
@@ -129,12 +136,9 @@ void Job::addEvent(const char* name, const proto::Json& data) {
 /// With the mutex held.
 void Job::addProgressEvent(std::optional<std::size_t> position) {
     lastProgress_ = Clock::now();
-    const proto::JobView& view = now_.view;
-    addEvent("progress",
-             {{"state", proto::stateName(view.state)},
-              {"stage", view.stage ? proto::Json(core::stageName(*view.stage)) : proto::Json()},
-              {"progress", view.progress},
-              {"queue_position", position ? proto::Json(*position) : proto::Json()}});
+    proto::JobView view = now_.view;
+    view.queuePosition = position;
+    addEvent("progress", proto::progressJson(view));
 }
 
 bool Job::end(const RunOutcome& outcome) {

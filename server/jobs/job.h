@@ -128,6 +128,8 @@ public:
     bool start();
     /// Its run is in a stage, and has done this share of all its work; never falls.
     void advance(core::Stage stage, double progress);
+    /// Where its solver is.
+    void advance(proto::SolverStep solver);
     /// So many others are before it; told to those who follow its events.
     void advanceInQueue(std::size_t position);
     void offer(JobPreview preview);

@@ -93,6 +93,7 @@ core::Result<core::Artifact> JobPool::run(Task& task) {
     context.progress = [&task](core::Stage stage, double fraction) {
         task.report(stage, fraction);
     };
+    context.energy = [&task](int step, double energy) { task.report({step, energy}); };
     if (task.options().run.progressive)
         context.preview = [this, &task](core::Preview preview) {
             if (auto blob = memory_.put(std::move(preview.bytes)))

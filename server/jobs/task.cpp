@@ -29,7 +29,10 @@ bool Task::join(const std::shared_ptr<Job>& job) {
     if (sealed_ || abandoned_) return false;
     jobs_.push_back(job);
     ++wanted_;
-    if (running_ && job->start()) job->advance(stage_, progress_);
+    if (running_ && job->start()) {
+        job->advance(stage_, progress_);
+        if (solver_) job->advance(*solver_);
+    }
     return true;
 }
 
@@ -82,6 +85,13 @@ void Task::report(core::Stage stage, double fraction) {
     const double share = kShares[index + 1] - kShares[index];
     progress_ = std::max(progress_, kShares[index] + share * std::clamp(fraction, 0.0, 1.0));
     for (const auto& job : jobs_) job->advance(stage, progress_);
+}
+
+void Task::report(proto::SolverStep solver) {
+    const std::lock_guard lock(mutex_);
+    beat();
+    solver_ = solver;
+    for (const auto& job : jobs_) job->advance(solver);
 }
 
 void Task::offer(const JobPreview& preview) {

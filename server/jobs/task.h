@@ -45,6 +45,7 @@ public:
 
     /// The engine's reports: measures the time of each stage and tells the jobs.
     void report(core::Stage stage, double fraction);
+    void report(proto::SolverStep solver);
     void offer(const JobPreview& preview);
     /// The times of all stages, up to now.
     [[nodiscard]] std::array<double, core::kStageCount> stageTimes() const;
@@ -78,6 +79,7 @@ private:
     bool sealed_ = false;
     core::Stage stage_ = core::Stage::parse;
     double progress_ = 0;
+    std::optional<proto::SolverStep> solver_;
     Clock::time_point stageBegan_;
     std::array<double, core::kStageCount> times_{};
 };

@@ -244,8 +244,20 @@ describe('previews', () => {
     await server.ask('DELETE', path);
   });
 
-  test('a job without progressive=true has none', async () => {
+  test('a job without progressive=true has none, but tells its energy', async () => {
     const path = await slowJob(kSlow.replace('progressive=true', 'progressive=false'));
+    const stream = await EventStream.open(server, path);
+    const energies = [];
+    while (energies.length < 3) {
+      const {data} = await stream.next('progress');
+      const {step, energy} = data;
+      if (step !== null && step !== energies.at(-1)?.step) energies.push({step, energy});
+    }
+    stream.close();
+    assert.deepEqual(energies.map(({step}) => step), [0, 1, 4]);
+    assert.ok(energies[1].energy < energies[0].energy, 'the energy falls');
+    const running = (await server.get(path)).json;
+    assert.ok(running.step >= 4 && running.energy <= energies[2].energy);
     assertProblem(await server.get(`${path}/preview`), 404, 'not-found');
     await server.ask('DELETE', path);
   });

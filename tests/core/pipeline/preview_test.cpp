@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <map>
+#include <utility>
 
 #include "core/pipeline.h"
 #include "tests/core/gltf/glb_reader.h"
@@ -12,6 +13,7 @@ namespace {
 
 struct Seen {
     std::vector<Preview> previews;
+    std::vector<std::pair<int, double>> energies;  ///< with the step
     Artifact artifact;
 };
 
@@ -19,9 +21,11 @@ Seen convertAndSee(const ConversionOptions& options, int threads = 1) {
     Seen seen;
     const auto bytes = sampleScene("torus");
     REQUIRE(bytes);
-    auto artifact = convert(*bytes, options, {}, {.threads = threads, .preview = [&](Preview p) {
-                                                      seen.previews.push_back(std::move(p));
-                                                  }});
+    const RunContext run{
+        .threads = threads,
+        .energy = [&](int step, double energy) { seen.energies.emplace_back(step, energy); },
+        .preview = [&](Preview preview) { seen.previews.push_back(std::move(preview)); }};
+    auto artifact = convert(*bytes, options, {}, run);
     REQUIRE(artifact);
     seen.artifact = *std::move(artifact);
     return seen;
@@ -52,6 +56,10 @@ TEST_SUITE("core/pipeline") {
             int step = 0;
             double energy = seen.artifact.report.solve.before.total();
             CHECK(seen.previews[0].energy == energy);
+            REQUIRE(seen.energies.size() == seen.previews.size());
+            for (std::size_t i = 0; i < seen.previews.size(); ++i)
+                CHECK(seen.energies[i] ==
+                      std::pair(seen.previews[i].step, seen.previews[i].energy));
             for (const Preview& preview : seen.previews) {
                 CHECK(preview.step == step);
                 CHECK(preview.energy <= energy);
@@ -102,9 +110,11 @@ TEST_SUITE("core/pipeline") {
         }
     }
 
-    TEST_CASE("preview: none for output=obj") {
+    TEST_CASE("preview: none for output=obj, but its energy is told") {
         ConversionOptions options = with(SolverKind::projected);
         options.output.format = OutputFormat::obj;
-        CHECK(convertAndSee(options).previews.empty());
+        const Seen seen = convertAndSee(options);
+        CHECK(seen.previews.empty());
+        CHECK(seen.energies.size() >= 3);
     }
 }

@@ -48,7 +48,13 @@ TEST_CASE("Job: queued, running, succeeded, with all that belongs to it") {
     CHECK(running.view.progress == 0.5);
     CHECK(running.view.attempt == 1);
 
+    CHECK(proto::toJson(running.view)["energy"].is_null());
+    job->advance(proto::SolverStep{4, 2.5});
+    CHECK(proto::toJson(job->view())["step"] == 4);
+    CHECK(proto::toJson(job->view())["energy"] == 2.5);
+
     REQUIRE(job->end(success()));
+    CHECK(proto::toJson(job->view())["energy"].is_null());
     const JobSnapshot done = job->snapshot();
     CHECK(done.view.state == JobState::succeeded);
     CHECK(done.view.progress == 1);
@@ -98,7 +104,9 @@ TEST_CASE("Job: events have increasing ids and are replayed from where a client 
     const auto all = job->waitEvents(0, 0ms);
     REQUIRE(all.size() == 5);
     for (std::size_t i = 0; i < all.size(); ++i) CHECK(all[i].id == i + 1);
-    CHECK(all[0].data == R"({"state":"queued","stage":null,"progress":0.0,"queue_position":1})");
+    CHECK(all[0].data ==
+          R"({"state":"queued","stage":null,"progress":0.0,"step":null,"energy":null,)"
+          R"("queue_position":1})");
     CHECK(job->waitEvents(3, 0ms).front().id == 4);
     CHECK(job->waitEvents(5, 1ms).empty());
     for (int i = 0; i < 300; ++i) job->advance(i % 2 ? Stage::mesh : Stage::write, 0.2);
