@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <utility>
 
@@ -12,6 +13,7 @@ namespace {
 struct Parsed {
     Invocation invocation;
     std::map<std::string, std::string> options;  ///< by the name on the wire
+    std::string apiKeyFile;
     double seconds = 600;
     bool list = false;
 };
@@ -55,9 +57,16 @@ void addConversionOptions(CLI::App& command, Parsed& parsed, const std::string& 
 
 void addCommon(CLI::App& app, Parsed& parsed) {
     app.add_option("--server", parsed.invocation.server,
-                   "http://HOST:PORT or unix:/PATH; without it a server is started for this run")
+                   "http[s]://HOST:PORT or unix:/PATH; without it a server is started for this run")
         ->envname("RIVAGE_SERVER")
         ->type_name("URL");
+    app.add_option("--api-key-file", parsed.apiKeyFile,
+                   "File whose first line is the API key; or set RIVAGE_API_KEY to the key")
+        ->type_name("FILE");
+    app.add_option("--ca-file", parsed.invocation.caFile,
+                   "PEM file of certificates to trust, instead of those of the system")
+        ->envname("RIVAGE_CA_FILE")
+        ->type_name("FILE");
     app.add_option("--timeout", parsed.seconds, "Seconds for each input, waiting included")
         ->capture_default_str()
         ->check(CLI::Range(0.001, 1e6))
@@ -113,6 +122,15 @@ tl::unexpected<ExitCode> complain(Console& console, const std::string& text) {
     return tl::unexpected(ExitCode::usage);
 }
 
+/// The key of the file, else that of the environment, else none.
+Outcome<std::string> apiKeyOf(const std::string& file) {
+    if (!file.empty()) return readApiKey(file);
+    const char* key = std::getenv("RIVAGE_API_KEY");
+    if (key == nullptr || *key == '\0') return std::string();
+    if (!isApiKey(key)) return fail(ExitCode::usage, "RIVAGE_API_KEY holds no API key");
+    return std::string(key);
+}
+
 CommandLine finish(const CLI::App& app, Parsed& parsed, Console& console) {
     static const std::map<std::string, Command> kCommands{{"regularize", Command::regularize},
                                                           {"inspect", Command::inspect},
@@ -123,6 +141,9 @@ CommandLine finish(const CLI::App& app, Parsed& parsed, Console& console) {
     invocation.command = kCommands.at(app.get_subcommands().front()->get_name());
     invocation.timeout =
         std::chrono::milliseconds(static_cast<std::int64_t>(1000 * parsed.seconds));
+    auto key = apiKeyOf(parsed.apiKeyFile);
+    if (!key) return complain(console, describe(key.error()));
+    invocation.apiKey = *std::move(key);
     for (auto& [name, value] : parsed.options) invocation.options.push_back({name, value});
     if (const auto valid = proto::parseOptions(invocation.options); !valid)
         return complain(console, valid.error().message);

@@ -22,6 +22,8 @@ struct Invocation {
     std::string out;                             ///< empty: not given
     std::vector<proto::OptionText> options;      ///< the conversion options that were given
     std::string server;                          ///< empty: one of our own
+    std::string apiKey;                          ///< empty: none
+    std::string caFile;                          ///< empty: what the system trusts
     std::chrono::milliseconds timeout{600'000};  ///< for each input
     bool quiet = false;
     bool json = false;

@@ -260,7 +260,8 @@ ExitCode runCommand(const Invocation& invocation, Console& console, Interrupt& i
         endpoint = parseEndpoint(invocation.server);
         if (!endpoint) return complain(console, {}, endpoint.error());
     }
-    Session session{invocation, console, Transport(*endpoint, interrupt, invocation.retry)};
+    const ServerAccess server{*endpoint, invocation.apiKey, invocation.caFile};
+    Session session{invocation, console, Transport(server, interrupt, invocation.retry)};
     session.transport.setDeadline(Clock::now() + invocation.timeout);
     return dispatch(session, files);
 }

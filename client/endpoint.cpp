@@ -2,12 +2,15 @@
 
 #include <sys/un.h>
 
+#include <algorithm>
 #include <charconv>
+#include <fstream>
 
 namespace rivage::client {
 namespace {
 
 constexpr std::string_view kHttp = "http://";
+constexpr std::string_view kHttps = "https://";
 constexpr std::string_view kUnix = "unix:";
 
 bool parsePort(std::string_view text, int& port) {
@@ -30,13 +33,15 @@ Outcome<Endpoint> parseEndpoint(std::string_view text) {
             return refuse(text, "the path of a Unix socket has at most 107 bytes");
         return Endpoint{std::string(path), 0};
     }
-    if (!text.starts_with(kHttp)) return refuse(text, "expected http://HOST:PORT or unix:/PATH");
-    std::string_view rest = text.substr(kHttp.size());
+    const bool tls = text.starts_with(kHttps);
+    if (!tls && !text.starts_with(kHttp))
+        return refuse(text, "expected http://HOST:PORT, https://HOST:PORT or unix:/PATH");
+    std::string_view rest = text.substr(tls ? kHttps.size() : kHttp.size());
     if (rest.ends_with('/')) rest.remove_suffix(1);
     if (rest.find('/') != std::string_view::npos)
         return refuse(text, "the address must not have a path");
 
-    Endpoint endpoint{.host = {}, .port = 80};
+    Endpoint endpoint{.host = {}, .port = tls ? 443 : 80, .tls = tls};
     const std::size_t colon = rest.rfind(':');
     const std::size_t bracket = rest.rfind(']');  // the end of an IPv6 address
     const bool hasPort =
@@ -53,8 +58,25 @@ Outcome<Endpoint> parseEndpoint(std::string_view text) {
 std::string toText(const Endpoint& endpoint) {
     if (endpoint.isUnix()) return std::string(kUnix) + endpoint.host;
     const bool v6 = endpoint.host.find(':') != std::string::npos;
-    return std::string(kHttp) + (v6 ? "[" + endpoint.host + "]" : endpoint.host) + ":" +
-           std::to_string(endpoint.port);
+    return std::string(endpoint.tls ? kHttps : kHttp) +
+           (v6 ? "[" + endpoint.host + "]" : endpoint.host) + ":" + std::to_string(endpoint.port);
+}
+
+bool isApiKey(std::string_view text) {
+    return !text.empty() &&
+           std::all_of(text.begin(), text.end(), [](char c) { return c > 0x20 && c < 0x7f; });
+}
+
+Outcome<std::string> readApiKey(const std::string& path) {
+    std::ifstream file(path);
+    std::string key;
+    std::getline(file, key);
+    while (key.ends_with('\r') || key.ends_with(' ')) key.pop_back();
+    if (!file && !file.eof()) return fail(ExitCode::usage, "The API key cannot be read", path);
+    if (!isApiKey(key))
+        return fail(ExitCode::usage, "This file holds no API key",
+                    path + ": its first line has to be the key");
+    return key;
 }
 
 }  // namespace rivage::client

@@ -11,15 +11,30 @@ namespace rivage::client {
 struct Endpoint {
     std::string host;  ///< name or address; of a Unix socket its path
     int port = 0;      ///< 0: `host` is the path of a Unix socket
+    bool tls = false;
     [[nodiscard]] bool isUnix() const { return port == 0; }
     bool operator==(const Endpoint&) const = default;
 };
 
-/// Reads "http://HOST[:PORT]" or "unix:/PATH".
+/// A server, and how this user reaches it and is known to it.
+struct ServerAccess {
+    Endpoint endpoint;
+    std::string apiKey;  ///< empty: none is sent
+    std::string caFile;  ///< PEM; empty: the certificates that the system trusts
+};
+
+/// Reads "http://HOST[:PORT]", "https://HOST[:PORT]" or "unix:/PATH".
 /// @errors usage
 Outcome<Endpoint> parseEndpoint(std::string_view text);
 
 /// The endpoint as `parseEndpoint` reads it.
 [[nodiscard]] std::string toText(const Endpoint& endpoint);
+
+/// Reads an API key from a file: one line, as `Authorization` can carry it.
+/// @errors usage if the file cannot be read or holds no key; the key itself is never shown
+Outcome<std::string> readApiKey(const std::string& path);
+
+/// Whether a text can be an API key: printable ASCII without spaces.
+[[nodiscard]] bool isApiKey(std::string_view text);
 
 }  // namespace rivage::client

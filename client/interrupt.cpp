@@ -25,7 +25,7 @@ void Interrupt::request() {
     const std::lock_guard lock(mutex_);
     requested_ = true;
     changed_.notify_all();
-    if (breakOff_) breakOff_();
+    for (const auto& breakOff : breaks_) breakOff();
 }
 
 bool Interrupt::requested() const {
@@ -38,9 +38,14 @@ bool Interrupt::sleep(std::chrono::milliseconds duration) const {
     return !changed_.wait_for(lock, duration, [&] { return requested_; });
 }
 
-void Interrupt::setBreak(std::function<void()> breakOff) {
-    const std::lock_guard lock(mutex_);
-    breakOff_ = std::move(breakOff);
+BreakOff::BreakOff(Interrupt& interrupt, std::function<void()> action) : interrupt_(interrupt) {
+    const std::lock_guard lock(interrupt_.mutex_);
+    place_ = interrupt_.breaks_.insert(interrupt_.breaks_.end(), std::move(action));
+}
+
+BreakOff::~BreakOff() {
+    const std::lock_guard lock(interrupt_.mutex_);
+    interrupt_.breaks_.erase(place_);
 }
 
 SignalWatcher::SignalWatcher(Interrupt& interrupt) {

@@ -3,30 +3,43 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
+#include <list>
 #include <mutex>
 #include <thread>
 
 namespace rivage::client {
 
-/// Whether the run was asked to stop. Everything that waits waits here or is broken off from here.
+/// Whether the run was asked to stop. Everything that waits waits here or is broken off from here,
+/// from any number of threads.
 class Interrupt {
 public:
-    /// Asks to stop, and breaks off the request that is under way.
+    /// Asks to stop, and breaks off the requests that are under way.
     void request();
     [[nodiscard]] bool requested() const;
 
     /// Sleeps; false if a stop was asked for, before or meanwhile.
     [[nodiscard]] bool sleep(std::chrono::milliseconds duration) const;
 
-    /// What breaks off the request under way; empty when there is none. Called under a lock, as
-    /// often as `request`.
-    void setBreak(std::function<void()> breakOff);
-
 private:
+    friend class BreakOff;
     mutable std::mutex mutex_;
     mutable std::condition_variable changed_;
     bool requested_ = false;
-    std::function<void()> breakOff_;
+    std::list<std::function<void()>> breaks_;
+};
+
+/// What breaks off one request, for as long as it lives. Called under a lock, as often as
+/// `Interrupt::request`.
+class BreakOff {
+public:
+    BreakOff(Interrupt& interrupt, std::function<void()> action);
+    ~BreakOff();
+    BreakOff(const BreakOff&) = delete;
+    BreakOff& operator=(const BreakOff&) = delete;
+
+private:
+    Interrupt& interrupt_;
+    std::list<std::function<void()>>::iterator place_;
 };
 
 /// Turns SIGINT, SIGTERM and SIGHUP into `Interrupt::request` for as long as it lives. It blocks

@@ -26,6 +26,12 @@ bool couldNotConnect(httplib::Error error) {
     return error == httplib::Error::Connection || error == httplib::Error::ConnectionTimeout;
 }
 
+bool isUntrusted(httplib::Error error) {
+    return error == httplib::Error::SSLServerVerification ||
+           error == httplib::Error::SSLServerHostnameVerification ||
+           error == httplib::Error::SSLLoadingCerts;
+}
+
 /// Seconds of a Retry-After header; 0 if there is none, or a date.
 milliseconds retryAfter(const httplib::Response& response) {
     const std::string text = response.get_header_value("Retry-After");
@@ -63,15 +69,20 @@ httplib::Request makeRequest(std::string method, std::string path) {
     return request;
 }
 
-Transport::Transport(Endpoint endpoint, Interrupt& interrupt, RetryPolicy policy)
-    : endpoint_(std::move(endpoint)),
+Transport::Transport(ServerAccess server, Interrupt& interrupt, RetryPolicy policy)
+    : server_(std::move(server)),
       interrupt_(interrupt),
       policy_(policy),
       random_(std::random_device{}()) {}
 
 httplib::Client Transport::makeClient() const {
-    httplib::Client client(endpoint_.host, endpoint_.isUnix() ? 80 : endpoint_.port);
-    if (endpoint_.isUnix()) client.set_address_family(AF_UNIX);
+    const Endpoint& endpoint = server_.endpoint;
+    httplib::Client client =
+        endpoint.tls ? httplib::Client(toText(endpoint))
+                     : httplib::Client(endpoint.host, endpoint.isUnix() ? 80 : endpoint.port);
+    if (endpoint.isUnix()) client.set_address_family(AF_UNIX);
+    if (endpoint.tls && !server_.caFile.empty()) client.set_ca_cert_path(server_.caFile);
+    if (!server_.apiKey.empty()) client.set_bearer_token_auth(server_.apiKey);
     client.set_connection_timeout(kConnectTimeout);
     client.set_read_timeout(kSilence);
     client.set_write_timeout(kSilence);
@@ -89,9 +100,10 @@ Transport::Answer Transport::sendOnce(httplib::Request request, const BodySink* 
     std::string body;
     int status = 0;
     receiveInto(request, sink, status, body);
-    interrupt_.setBreak([&client] { client.stop(); });
-    httplib::Result result = client.send(request);
-    interrupt_.setBreak({});
+    httplib::Result result = [&] {
+        const BreakOff breakOff(interrupt_, [&client] { client.stop(); });
+        return client.send(request);
+    }();
     answer.error = result.error();
     if (!result) return answer;
     answer.response = *std::move(result);
@@ -115,10 +127,15 @@ Failure Transport::failureOf(const Answer& answer) const {
     if (answer.error == httplib::Error::Canceled)
         return fail(ExitCode::notWritten, "The result could not be kept").value();
     if (Clock::now() >= deadline_ || answer.error == httplib::Error::Timeout) return timeIsOver();
+    if (isUntrusted(answer.error))
+        return fail(ExitCode::unreachable, "The certificate of the server is not trusted",
+                    toText(server_.endpoint) + ": " + httplib::to_string(answer.error) +
+                        "; --ca-file names a PEM file of who signed it")
+            .value();
     const bool absent = couldNotConnect(answer.error);
     return fail(ExitCode::unreachable,
                 absent ? "No server answers" : "The connection to the server broke",
-                toText(endpoint_) + ": " + httplib::to_string(answer.error))
+                toText(server_.endpoint) + ": " + httplib::to_string(answer.error))
         .value();
 }
 

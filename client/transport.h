@@ -33,10 +33,10 @@ struct BodySink {
 
 /// Sends requests to one server, each at its own connection, and tries again where that is right:
 /// what could not connect; 408, 429, 502, 503, 504; and broken connections if the method is safe to
-/// repeat. Not for several threads.
+/// repeat. Each thread needs its own.
 class Transport {
 public:
-    Transport(Endpoint endpoint, Interrupt& interrupt, RetryPolicy policy = {});
+    Transport(ServerAccess server, Interrupt& interrupt, RetryPolicy policy = {});
 
     /// The time by which everything has to be over, tries and waiting included.
     void setDeadline(Clock::time_point deadline) { deadline_ = deadline; }
@@ -65,7 +65,7 @@ private:
     [[nodiscard]] Failure failureOf(const Answer& answer) const;
     std::chrono::milliseconds delay(const Answer& answer, int tries);
 
-    Endpoint endpoint_;
+    ServerAccess server_;
     Interrupt& interrupt_;
     RetryPolicy policy_;
     Clock::time_point deadline_ = Clock::time_point::max();

@@ -23,7 +23,7 @@ TEST_CASE("transport: only statuses that pass are tried again") {
     });
     server.start();
     Interrupt interrupt;
-    Transport transport({"127.0.0.1", server.port()}, interrupt, kQuick);
+    Transport transport({{"127.0.0.1", server.port()}}, interrupt, kQuick);
     for (const int status : {408, 429, 502, 503, 504}) {
         CAPTURE(status);
         calls = 0;
@@ -47,7 +47,7 @@ TEST_CASE("transport: Retry-After is waited for") {
     });
     server.start();
     Interrupt interrupt;
-    Transport transport({"127.0.0.1", server.port()}, interrupt, kQuick);
+    Transport transport({{"127.0.0.1", server.port()}}, interrupt, kQuick);
     const auto start = Clock::now();
     CHECK(transport.send(makeRequest("GET", "/")));
     CHECK(Clock::now() - start >= 1s);
@@ -68,7 +68,7 @@ TEST_CASE("transport: a broken download begins again, an upload does not") {
     server.http.Post("/", half);
     server.start();
     Interrupt interrupt;
-    Transport transport({"127.0.0.1", server.port()}, interrupt, kQuick);
+    Transport transport({{"127.0.0.1", server.port()}}, interrupt, kQuick);
     std::string got;
     const BodySink sink{[&] { return got.clear(), true; },
                         [&](std::string_view bytes) { return got += bytes, true; }};
@@ -90,7 +90,7 @@ TEST_CASE("transport: the deadline ends a request that hangs") {
     });
     server.start();
     Interrupt interrupt;
-    Transport transport({"127.0.0.1", server.port()}, interrupt, kQuick);
+    Transport transport({{"127.0.0.1", server.port()}}, interrupt, kQuick);
     transport.setDeadline(Clock::now() + 100ms);
     const auto start = Clock::now();
     const auto response = transport.send(makeRequest("GET", "/"));
@@ -108,7 +108,7 @@ TEST_CASE("transport: a stop breaks off a request that hangs") {
     });
     server.start();
     Interrupt interrupt;
-    Transport transport({"127.0.0.1", server.port()}, interrupt, kQuick);
+    Transport transport({{"127.0.0.1", server.port()}}, interrupt, kQuick);
     std::thread person([&] {
         while (!inside) std::this_thread::sleep_for(1ms);
         interrupt.request();
