@@ -18,9 +18,10 @@ using core::ErrorCode;
 using core::fail;
 
 /// Variables of the client, of ./dev and of the build.
-constexpr std::array<std::string_view, 10> kForeign{
-    "RIVAGE_SERVER", "RIVAGE_API_KEY", "RIVAGE_CACHE", "RIVAGE_REFERENCE", "RIVAGE_HTTPLIB_DIR",
-    "RIVAGE_BIN",    "RIVAGE_TESTS",   "RIVAGE_FUZZ",  "RIVAGE_SANITIZE",  "RIVAGE_CONFIG"};
+constexpr std::array<std::string_view, 12> kForeign{
+    "RIVAGE_SERVER",      "RIVAGE_API_KEY", "RIVAGE_CACHE",        "RIVAGE_REFERENCE",
+    "RIVAGE_HTTPLIB_DIR", "RIVAGE_BIN",     "RIVAGE_TESTS",        "RIVAGE_FUZZ",
+    "RIVAGE_SANITIZE",    "RIVAGE_CONFIG",  "RIVAGE_API_KEY_FILE", "RIVAGE_CA_FILE"};
 
 /// A service "rivage" or "rivage-x" gives every pod of its namespace RIVAGE_PORT,
 /// RIVAGE_X_SERVICE_HOST, RIVAGE_PORT_80_TCP_ADDR and more.
@@ -86,7 +87,8 @@ std::string originMistake(const std::string& text) {
 std::string unknownVariable(const std::vector<std::string>& variables,
                             const std::vector<std::string>& known) {
     for (const std::string& name : variables) {
-        const bool ours = name.starts_with("RIVAGE_") && !comesFromKubernetes(name) &&
+        const bool ours = name.starts_with("RIVAGE_") && !name.starts_with("RIVAGE_CLIENT_") &&
+                          !comesFromKubernetes(name) &&
                           std::find(kForeign.begin(), kForeign.end(), name) == kForeign.end();
         if (!ours || std::find(known.begin(), known.end(), name) != known.end()) continue;
         const std::string near = proto::nearestName(name, known);

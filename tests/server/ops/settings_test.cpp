@@ -256,7 +256,8 @@ TEST_CASE("reject: a RIVAGE_ variable that is no setting, unless it belongs to s
     }
     const std::vector<std::string> known{"RIVAGE_WORKERS"};
     CHECK(unknownVariable({"PATH", "RIVAGE_WORKERS", "RIVAGE_SERVER", "RIVAGE_CACHE",
-                           "RIVAGE_REFERENCE", "RIVAGE_HTTPLIB_DIR", "RIVAGE_API_KEY"},
+                           "RIVAGE_REFERENCE", "RIVAGE_HTTPLIB_DIR", "RIVAGE_API_KEY",
+                           "RIVAGE_CA_FILE", "RIVAGE_API_KEY_FILE", "RIVAGE_CLIENT_WORKERS"},
                           known)
               .empty());
     CHECK(unknownVariable({"RIVAGE_PORT", "RIVAGE_SERVICE_HOST", "RIVAGE_SERVER_SERVICE_PORT",
