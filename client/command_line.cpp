@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "client/job_calls.h"
+
 namespace rivage::client {
 namespace {
 
@@ -79,11 +81,58 @@ CLI::Option* addOut(CLI::App& command, Parsed& parsed, const std::string& senten
     return command.add_option("-o,--out", parsed.invocation.out, sentence)->type_name("PATH");
 }
 
+void addBatchOptions(CLI::App& command, Parsed& parsed) {
+    command
+        .add_option("-w,--workers", parsed.invocation.workers,
+                    "Conversions at a time [2; the processors, if no server is named]")
+        ->check(CLI::Range(1, 256))
+        ->type_name("NUMBER");
+    command.add_flag("--if-newer", parsed.invocation.ifNewer,
+                     "Pass over inputs that are older than their results");
+    command.add_flag("--stop-on-error", parsed.invocation.stopOnError,
+                     "Begin no further conversion after the first that failed");
+    command.add_flag("--watch", parsed.invocation.watch,
+                     "Then wait, and convert again what changes, until Ctrl-C");
+}
+
+void addIds(CLI::App& command, Parsed& parsed) {
+    command.add_option("ID", parsed.invocation.inputs, "Ids of jobs")
+        ->required()
+        ->check(CLI::Validator(
+            [](const std::string& text) {
+                return isJobId(text) ? std::string() : "no id of a job: " + text;
+            },
+            ""));
+}
+
+void addJobCommands(CLI::App& app, Parsed& parsed) {
+    CLI::App* jobs = app.add_subcommand("jobs", "What a server works on, and has done");
+    jobs->require_subcommand(1);
+    CLI::App* list = jobs->add_subcommand("list", "Your jobs, newest first");
+    list->add_option("--state", parsed.invocation.jobState, "Only those in this state")
+        ->check(CLI::IsMember({"queued", "running", "succeeded", "failed", "canceled"}))
+        ->type_name("queued|running|succeeded|failed|canceled");
+    list->add_option("--limit", parsed.invocation.jobLimit, "How many at most; 0 is all")
+        ->capture_default_str()
+        ->type_name("NUMBER");
+    addIds(*jobs->add_subcommand("status", "How far jobs are"), parsed);
+    addIds(*jobs->add_subcommand("wait", "Wait until jobs have ended"), parsed);
+    addIds(*jobs->add_subcommand("cancel", "Cancel jobs that have not ended"), parsed);
+    CLI::App* fetch = jobs->add_subcommand("fetch", "Wait for jobs and write their results");
+    addIds(*fetch, parsed);
+    addOut(*fetch, parsed, "A file, a folder, or '-' for stdout [ID.glb]");
+}
+
 void addCommands(CLI::App& app, Parsed& parsed) {
     CLI::App* regularize =
         app.add_subcommand("regularize", "Convert voxel grids into smooth surfaces ('-' is stdin)");
-    regularize->add_option("IN", parsed.invocation.inputs, "Grids: .vox, .npy, raw")->required();
+    regularize
+        ->add_option("IN", parsed.invocation.inputs,
+                     "Grids (.vox, .npy, raw), folders of grids at any depth, or patterns such as "
+                     "'models/**/*.vox'")
+        ->required();
     addOut(*regularize, parsed, "A file, a folder, or '-' for stdout [beside the input]");
+    addBatchOptions(*regularize, parsed);
     addConversionOptions(*regularize, parsed, {});
 
     CLI::App* inspect = app.add_subcommand("inspect", "Tell what is in a grid");
@@ -97,6 +146,7 @@ void addCommands(CLI::App& app, Parsed& parsed) {
     sample->add_option("NAME", parsed.invocation.inputs, "Which one")->expected(1)->excludes(list);
     addOut(*sample, parsed, "A file, or '-' for stdout [NAME.vox]")->excludes(list);
 
+    addJobCommands(app, parsed);
     app.add_subcommand("options", "List the conversion options of the server");
     app.add_subcommand("health", "Ask whether the server takes work");
 }
@@ -131,14 +181,23 @@ Outcome<std::string> apiKeyOf(const std::string& file) {
     return std::string(key);
 }
 
+Command commandOf(const CLI::App& app) {
+    static const std::map<std::string, Command> kCommands{
+        {"regularize", Command::regularize},  {"inspect", Command::inspect},
+        {"sample", Command::sample},          {"options", Command::options},
+        {"health", Command::health},          {"jobs list", Command::jobsList},
+        {"jobs status", Command::jobsStatus}, {"jobs wait", Command::jobsWait},
+        {"jobs cancel", Command::jobsCancel}, {"jobs fetch", Command::jobsFetch}};
+    const CLI::App* command = app.get_subcommands().front();
+    std::string name = command->get_name();
+    if (!command->get_subcommands().empty())
+        name += " " + command->get_subcommands().front()->get_name();
+    return kCommands.at(name);
+}
+
 CommandLine finish(const CLI::App& app, Parsed& parsed, Console& console) {
-    static const std::map<std::string, Command> kCommands{{"regularize", Command::regularize},
-                                                          {"inspect", Command::inspect},
-                                                          {"sample", Command::sample},
-                                                          {"options", Command::options},
-                                                          {"health", Command::health}};
     Invocation& invocation = parsed.invocation;
-    invocation.command = kCommands.at(app.get_subcommands().front()->get_name());
+    invocation.command = commandOf(app);
     invocation.timeout =
         std::chrono::milliseconds(static_cast<std::int64_t>(1000 * parsed.seconds));
     auto key = apiKeyOf(parsed.apiKeyFile);

@@ -13,18 +13,36 @@
 
 namespace rivage::client {
 
-enum class Command : std::uint8_t { regularize, inspect, sample, listSamples, options, health };
+enum class Command : std::uint8_t {
+    regularize,
+    inspect,
+    sample,
+    listSamples,
+    options,
+    health,
+    jobsList,
+    jobsStatus,
+    jobsWait,
+    jobsCancel,
+    jobsFetch,
+};
 
 /// A command line, read and checked.
 struct Invocation {
     Command command = Command::health;
-    std::vector<std::string> inputs;             ///< files, or the name of the sample
+    std::vector<std::string> inputs;             ///< files, jobs, or the name of the sample
     std::string out;                             ///< empty: not given
     std::vector<proto::OptionText> options;      ///< the conversion options that were given
     std::string server;                          ///< empty: one of our own
     std::string apiKey;                          ///< empty: none
     std::string caFile;                          ///< empty: what the system trusts
     std::chrono::milliseconds timeout{600'000};  ///< for each input
+    std::size_t workers = 0;  ///< conversions at a time; 0: as many as the server takes well
+    bool ifNewer = false;
+    bool stopOnError = false;
+    bool watch = false;
+    std::string jobState;  ///< empty: any
+    std::size_t jobLimit = 20;
     bool quiet = false;
     bool json = false;
     RetryPolicy retry = {};

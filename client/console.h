@@ -1,8 +1,9 @@
 #pragma once
 
-#include <iosfwd>
+#include <cstdint>
 #include <istream>
 #include <ostream>
+#include <string>
 
 namespace rivage::client {
 
@@ -12,8 +13,20 @@ struct Console {
     std::ostream& out;
     std::ostream& err;
     bool outIsTerminal = false;
-    bool errIsTerminal = false;
-    int width = 80;  ///< columns of the terminal behind `err`
+    bool errIsTerminal = false;  ///< one that understands escape sequences
+    int width = 80;              ///< columns of the terminal behind `err`
+    int height = 24;             ///< its lines
+    bool color = false;          ///< words on `err` may be coloured
 };
+
+enum class Tone : std::uint8_t { good, bad, dim };
+
+/// The text in a colour, if the console shows any.
+[[nodiscard]] inline std::string painted(const Console& console, Tone tone,
+                                         const std::string& text) {
+    if (!console.color) return text;
+    const char* const code = tone == Tone::good ? "32" : tone == Tone::bad ? "31" : "2";
+    return std::string("\x1b[") + code + "m" + text + "\x1b[0m";
+}
 
 }  // namespace rivage::client

@@ -32,14 +32,14 @@ std::string printable(std::string text) {
 tl::unexpected<Failure> fail(ExitCode exit, std::string title, std::string detail) {
     Json problem{{"title", std::move(title)}};
     if (!detail.empty()) problem["detail"] = std::move(detail);
-    return tl::unexpected<Failure>(Failure{exit, std::move(problem)});
+    return tl::unexpected<Failure>(Failure{.exit = exit, .problem = std::move(problem)});
 }
 
 Failure failureOf(int status, std::string_view body) {
     Json problem = Json::parse(body, nullptr, false);
     if (!problem.is_object() || !problem.contains("title"))
         problem = Json{{"title", "The server answered " + std::to_string(status)}};
-    return {exitOf(status), std::move(problem)};
+    return {.exit = exitOf(status), .problem = std::move(problem)};
 }
 
 Failure failureOf(const Json& problem) {

@@ -13,6 +13,7 @@ namespace rivage::client {
 struct Failure {
     ExitCode exit = ExitCode::failed;
     proto::Json problem = proto::Json::object();  ///< title, detail, field, limit, setting ...
+    std::string job = {};  ///< at the server, where it may go on or have a result; empty: none
 };
 
 template <typename T>

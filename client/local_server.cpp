@@ -7,7 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -16,8 +16,11 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <string_view>
 #include <system_error>
+#include <thread>
 #include <utility>
+#include <vector>
 
 namespace rivage::client {
 namespace {
@@ -32,7 +35,7 @@ constexpr std::size_t kMostWords = 2000;  ///< bytes of the server's output in a
 
 /// Becomes the server. Runs in the forked child, so only what is safe there. A fork of our own and
 /// not posix_spawn, because only so the child can ask to die with its parent.
-[[noreturn]] void becomeServer(const char* program, char* const* arguments, int words,
+[[noreturn]] void becomeServer(char* const* arguments, char* const* environment, int words,
                                pid_t parent) {
     setpgid(0, 0);  // Ctrl-C on the terminal is for the client, which cancels the job first
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -44,7 +47,7 @@ constexpr std::size_t kMostWords = 2000;  ///< bytes of the server's output in a
     dup2(nothing, 0);
     dup2(words, 1);
     dup2(words, 2);
-    execv(program, arguments);
+    execve(arguments[0], arguments, environment);
     constexpr char kText[] = "cannot be executed";
     const auto written = write(2, kText, sizeof kText - 1);
     _exit(written < 0 ? 126 : 127);
@@ -56,6 +59,16 @@ fs::path socketParent() {
     std::error_code error;
     const fs::path temporary = fs::temp_directory_path(error);
     return error || temporary.native().size() > kLongest ? fs::path("/tmp") : temporary;
+}
+
+/// The environment without the settings of servers: one that somebody set for another server would
+/// make this one ask for a key, or share a folder.
+std::vector<char*> cleanEnvironment() {
+    std::vector<char*> kept;
+    for (char** entry = environ; entry != nullptr && *entry != nullptr; ++entry)
+        if (!std::string_view(*entry).starts_with("RIVAGE_")) kept.push_back(*entry);
+    kept.push_back(nullptr);
+    return kept;
 }
 
 bool answers(const std::string& socket) {
@@ -75,7 +88,8 @@ std::string serverBeside() {
     return (self.parent_path() / "rivage-server").string();
 }
 
-Outcome<LocalServer> LocalServer::start(const std::string& program, Interrupt& interrupt) {
+Outcome<LocalServer> LocalServer::start(const std::string& program, std::size_t workers,
+                                        Interrupt& interrupt) {
     LocalServer server;
     std::string folder = (socketParent() / "rivage.XXXXXX").string();
     if (mkdtemp(folder.data()) == nullptr)
@@ -85,13 +99,18 @@ Outcome<LocalServer> LocalServer::start(const std::string& program, Interrupt& i
     const int words = open(log.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
     if (words < 0) return server.notStarted(std::strerror(errno));
 
-    std::array<std::string, 5> texts{program, "--listen", "unix:" + server.endpoint().host,
-                                     "--admin-listen", "off"};
-    std::array<char*, 6> arguments{};
-    for (std::size_t i = 0; i < texts.size(); ++i) arguments[i] = texts[i].data();
+    const std::size_t threads =
+        std::max<std::size_t>(std::thread::hardware_concurrency() / workers, 1);
+    std::vector<std::string> texts{program, "--listen=unix:" + server.endpoint().host,
+                                   "--admin-listen=off", "--workers=" + std::to_string(workers),
+                                   "--threads-per-job=" + std::to_string(threads)};
+    std::vector<char*> arguments;
+    for (std::string& text : texts) arguments.push_back(text.data());
+    arguments.push_back(nullptr);
+    const std::vector<char*> environment = cleanEnvironment();
     const pid_t parent = getpid();
     server.child_ = fork();
-    if (server.child_ == 0) becomeServer(program.c_str(), arguments.data(), words, parent);
+    if (server.child_ == 0) becomeServer(arguments.data(), environment.data(), words, parent);
     close(words);
     if (server.child_ < 0) return server.notStarted(std::strerror(errno));
 

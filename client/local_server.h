@@ -15,9 +15,12 @@ namespace rivage::client {
 /// dies first.
 class LocalServer {
 public:
-    /// Starts `program` and waits until it answers.
+    /// Starts `program` and waits until it answers. Settings of servers in the environment do not
+    /// reach it.
+    /// @param workers  conversions at a time, which share the processors
     /// @errors unreachable, with what the server said; cancelled
-    static Outcome<LocalServer> start(const std::string& program, Interrupt& interrupt);
+    static Outcome<LocalServer> start(const std::string& program, std::size_t workers,
+                                      Interrupt& interrupt);
 
     LocalServer(LocalServer&& other) noexcept;
     LocalServer& operator=(LocalServer&&) = delete;

@@ -1,8 +1,10 @@
 #include "client/plan.h"
 
 #include <filesystem>
+#include <map>
 #include <set>
 #include <system_error>
+#include <utility>
 
 namespace rivage::client {
 namespace {
@@ -14,43 +16,58 @@ bool isFolder(const std::string& path) {
     return path.ends_with('/') || fs::is_directory(path, error);
 }
 
-std::string resultName(const std::string& input, const std::string& extension) {
-    const std::string stem = input == kStandardStream ? "stdin" : fs::path(input).stem().string();
-    return stem + "." + extension;
-}
-
-std::string outputOf(const std::string& input, const std::string& out,
-                     const std::string& extension) {
-    if (out.empty() && input == kStandardStream) return kStandardStream;
-    if (out.empty()) return (fs::path(input).parent_path() / resultName(input, extension)).string();
-    if (isFolder(out)) return (fs::path(out) / resultName(input, extension)).string();
-    return out;
-}
-
 tl::unexpected<Failure> refuse(const std::string& detail) {
     return fail(ExitCode::usage, "Where should the results go", detail);
 }
 
+std::string outputOf(const InputFile& input, const std::string& out, bool intoFolder,
+                     const std::string& extension) {
+    if (out.empty() && input.path == kStandardStream) return kStandardStream;
+    if (out.empty()) return fs::path(input.path).replace_extension(extension).string();
+    if (!intoFolder) return out;
+    return (fs::path(out) / fs::path(input.below).replace_extension(extension)).string();
+}
+
+std::string normal(const std::string& path) { return fs::path(path).lexically_normal().string(); }
+
 }  // namespace
 
-Outcome<std::vector<PlannedFile>> planFiles(const std::vector<std::string>& inputs,
-                                            const std::string& out, const std::string& extension) {
-    if (inputs.size() > 1 && !out.empty() && !isFolder(out))
+Outcome<std::vector<PlannedFile>> planFiles(const Inputs& inputs, const std::string& out,
+                                            const std::string& extension) {
+    const bool several = inputs.many || inputs.files.size() > 1;
+    std::error_code error;
+    const bool isNoFolder = out == kStandardStream || (fs::exists(out, error) && !isFolder(out));
+    if (several && !out.empty() && !isFolder(out) && (!inputs.many || isNoFolder))
         return refuse("several inputs need a folder after -o: " + out +
                       " is none (a new one ends in /)");
+    const bool intoFolder = inputs.many || (!out.empty() && isFolder(out));
+
+    std::set<std::string> sources;
+    for (const InputFile& input : inputs.files) sources.insert(normal(input.path));
+    std::map<std::string, std::string> inputOf;
     std::vector<PlannedFile> files;
-    std::set<std::string> outputs;
-    for (const std::string& input : inputs) {
-        PlannedFile file{input, outputOf(input, out, extension)};
-        std::error_code error;
-        if (!outputs.insert(fs::path(file.output).lexically_normal().string()).second)
-            return refuse("two results would be written to " + file.output);
-        if (file.output != kStandardStream && fs::is_regular_file(file.output, error) &&
-            fs::equivalent(file.input, file.output, error))
-            return refuse(file.output + " is the input itself");
+    for (const InputFile& input : inputs.files) {
+        PlannedFile file{input.path, outputOf(input, out, intoFolder, extension)};
+        const auto [other, isNew] = inputOf.emplace(normal(file.output), file.input);
+        if (!isNew)
+            return refuse("the results of " + other->second + " and " + file.input +
+                          " would both be written to " + file.output);
+        const bool same =
+            file.output != kStandardStream && (sources.count(normal(file.output)) > 0 ||
+                                               (fs::is_regular_file(file.output, error) &&
+                                                fs::equivalent(file.input, file.output, error)));
+        if (same) return refuse(file.output + " is an input itself");
         files.push_back(std::move(file));
     }
     return files;
+}
+
+bool isUpToDate(const PlannedFile& file) {
+    std::error_code error;
+    const auto result = fs::last_write_time(file.output, error);
+    if (error || !fs::is_regular_file(file.output, error)) return false;
+    const auto grid = fs::last_write_time(file.input, error);
+    return !error && grid < result;
 }
 
 }  // namespace rivage::client

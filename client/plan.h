@@ -3,11 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "client/failure.h"
+#include "client/inputs.h"
 
 namespace rivage::client {
-
-inline constexpr const char* kStandardStream = "-";
 
 /// One conversion of a run: where the grid is and where its result goes; "-" is stdin or stdout.
 struct PlannedFile {
@@ -16,11 +14,16 @@ struct PlannedFile {
 };
 
 /// Decides where each result goes, before anything is sent. Without `out` a result lands beside its
-/// input with the extension of the format, and that of stdin on stdout.
-/// @param out        a file, a folder (exists, or ends in '/'), "-", or empty
+/// input with the extension of the format, and that of stdin on stdout. In a folder the results
+/// stand as their inputs stand below the folders that were named.
+/// @param out        a file, a folder (exists, ends in '/', or an input is a folder or a pattern),
+///                   "-", or empty
 /// @param extension  of the output format, without dot
-/// @errors usage if several results would go to one place, or one onto its own input
-Outcome<std::vector<PlannedFile>> planFiles(const std::vector<std::string>& inputs,
-                                            const std::string& out, const std::string& extension);
+/// @errors usage if several results would go to one place, or one onto an input
+Outcome<std::vector<PlannedFile>> planFiles(const Inputs& inputs, const std::string& out,
+                                            const std::string& extension);
+
+/// Whether the result is newer than its input, so that it need not be made again.
+[[nodiscard]] bool isUpToDate(const PlannedFile& file);
 
 }  // namespace rivage::client

@@ -8,12 +8,14 @@
 namespace rivage::client {
 namespace {
 
-constexpr const char* kEraseLine = "\r\x1b[K";
+constexpr const char* kEraseBelow = "\r\x1b[J";
 constexpr int kWidestBar = 40;
+constexpr int kNarrowestBar = 8;
+constexpr int kMostLines = 10;
 
-std::string fixed(double value, int digits) {
+std::string formatted(const char* format, double value) {
     char text[64];
-    std::snprintf(text, sizeof text, "%.*f", digits, value);
+    std::snprintf(text, sizeof text, format, value);
     return text;
 }
 
@@ -25,45 +27,104 @@ std::string bar(double fraction, int width) {
 }
 
 std::string phase(const JobProgress& progress) {
-    if (progress.state != "queued") return progress.stage.empty() ? progress.state : progress.stage;
+    if (progress.state.empty()) return "sending";
+    if (progress.state != "queued") {
+        std::string text = progress.stage.empty() ? progress.state : progress.stage;
+        if (progress.energy) text += formatted(", energy %.5g", *progress.energy);
+        return text;
+    }
     if (!progress.queuePosition || *progress.queuePosition == 0) return "queued";
-    return "queued behind " + fixed(*progress.queuePosition, 0);
+    return formatted("queued behind %.0f", *progress.queuePosition);
 }
 
 }  // namespace
 
-ProgressLine::ProgressLine(Console& console, std::string name, bool quiet)
-    : console_(console), name_(std::move(name)), quiet_(quiet) {}
+ProgressBoard::ProgressBoard(Console& console, bool quiet, std::size_t total)
+    : console_(console), lively_(console.errIsTerminal && !quiet), total_(total) {}
 
-double ProgressLine::seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+ProgressBoard::~ProgressBoard() {
+    const std::lock_guard lock(mutex_);
+    erase();
+    console_.err << std::flush;
 }
 
-void ProgressLine::update(const JobProgress& progress) {
-    if (!lively()) return;
-    const double fraction = std::clamp(progress.fraction, 0.0, 1.0);
-    const std::string words =
-        " " + fixed(100 * fraction, 0) + " % " + phase(progress) + " " + fixed(seconds(), 1) + " s";
-    const int left = console_.width - static_cast<int>(name_.size() + words.size()) - 4;
-    std::string line = name_ + words;
-    if (left >= 8) line = name_ + " " + bar(fraction, std::min(left, kWidestBar)) + words;
-    line.resize(std::min(line.size(), static_cast<std::size_t>(std::max(console_.width - 1, 1))));
-    console_.err << kEraseLine << line << std::flush;
+std::size_t ProgressBoard::begin(std::string name) {
+    const std::lock_guard lock(mutex_);
+    lines_[begun_] = {.name = std::move(name)};
+    erase();
+    draw();
+    return begun_++;
 }
 
-void ProgressLine::clear() {
-    if (lively()) console_.err << kEraseLine << std::flush;
+void ProgressBoard::update(std::size_t line, const JobProgress& progress) {
+    const std::lock_guard lock(mutex_);
+    lines_.at(line).progress = progress;
+    erase();
+    draw();
 }
 
-void ProgressLine::finish(const std::string& outcome) {
-    clear();
-    if (!quiet_) console_.err << name_ << " " << outcome << ", " << fixed(seconds(), 2) << " s\n";
+double ProgressBoard::end(std::size_t line) {
+    const std::lock_guard lock(mutex_);
+    const std::chrono::duration<double> time = Clock::now() - lines_.at(line).start;
+    lines_.erase(line);
+    ++ended_;
+    erase();
+    draw();
+    return time.count();
+}
+
+void ProgressBoard::say(std::ostream& stream, const std::string& text) {
+    const std::lock_guard lock(mutex_);
+    erase();
+    console_.err << std::flush;
+    stream << text << std::flush;
+    draw();
+}
+
+void ProgressBoard::erase() {
+    if (drawn_ == 0) return;
+    if (drawn_ > 1) console_.err << "\x1b[" << drawn_ - 1 << "A";
+    console_.err << kEraseBelow;
+    drawn_ = 0;
+}
+
+void ProgressBoard::draw() {
+    if (!lively_ || lines_.empty()) return;
+    const int most = std::clamp(console_.height - 2, 1, kMostLines);
+    std::string all;
+    if (total_ > 1) {
+        all = std::to_string(ended_) + " of " + std::to_string(total_) + " done";
+        all = painted(console_, Tone::dim, all);
+        ++drawn_;
+    }
+    for (const auto& [number, line] : lines_) {
+        if (drawn_ >= most) break;
+        all += (drawn_ > 0 ? "\n" : "") + text(line);
+        ++drawn_;
+    }
+    console_.err << all << std::flush;
+}
+
+std::string ProgressBoard::text(const Line& line) const {
+    const double fraction = std::clamp(line.progress.fraction, 0.0, 1.0);
+    const std::chrono::duration<double> time = Clock::now() - line.start;
+    const std::string words = formatted(" %.0f %% ", 100 * fraction) + phase(line.progress) +
+                              formatted(" %.1f s", time.count());
+    const int left = console_.width - static_cast<int>(line.name.size() + words.size()) - 4;
+    std::string text = line.name + words;
+    if (left >= kNarrowestBar)
+        text = line.name + " " + bar(fraction, std::min(left, kWidestBar)) + words;
+    // A line that wraps would be two, and could not be erased as one.
+    text.resize(std::min(text.size(), static_cast<std::size_t>(std::max(console_.width - 1, 1))));
+    return text;
 }
 
 std::string bytesText(double bytes) {
-    if (bytes < 1e3) return fixed(bytes, 0) + " B";
-    if (bytes < 1e6) return fixed(bytes / 1e3, 1) + " kB";
-    return fixed(bytes / 1e6, 1) + " MB";
+    if (bytes < 1e3) return formatted("%.0f B", bytes);
+    if (bytes < 1e6) return formatted("%.1f kB", bytes / 1e3);
+    return formatted("%.1f MB", bytes / 1e6);
 }
+
+std::string secondsText(double seconds) { return formatted("%.2f s", seconds); }
 
 }  // namespace rivage::client

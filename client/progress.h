@@ -1,35 +1,62 @@
 #pragma once
 
 #include <chrono>
+#include <map>
+#include <mutex>
 #include <string>
 
 #include "client/console.h"
-#include "client/conversion.h"
+#include "client/job_calls.h"
 
 namespace rivage::client {
 
-/// Shows how far one file is: a bar that redraws itself on a terminal, nothing elsewhere. `finish`
-/// leaves one line behind in both cases; with `quiet` nothing is written at all.
-class ProgressLine {
+/// Shows how far the files of a run are: on a terminal one bar each, and above them how many are
+/// done, redrawn in place; elsewhere nothing. What is said goes above the bars and stays. All that
+/// is written while it lives goes through it, from any thread; with `quiet` it shows no bars.
+class ProgressBoard {
 public:
-    ProgressLine(Console& console, std::string name, bool quiet);
+    /// @param total  files of the run
+    ProgressBoard(Console& console, bool quiet, std::size_t total);
+    ~ProgressBoard();
+    ProgressBoard(const ProgressBoard&) = delete;
+    ProgressBoard& operator=(const ProgressBoard&) = delete;
 
-    void update(const JobProgress& progress);
-    /// @param outcome  "-> out/house.glb, 93.1 kB"
-    void finish(const std::string& outcome);
-    /// Takes the bar away, for whoever writes next.
-    void clear();
-    [[nodiscard]] bool lively() const { return console_.errIsTerminal && !quiet_; }
+    /// A bar for a file; the number to name it by.
+    std::size_t begin(std::string name);
+    void update(std::size_t line, const JobProgress& progress);
+    /// Takes a bar away.
+    /// @return  the seconds since `begin`
+    double end(std::size_t line);
+    /// Writes to a stream of the console, above the bars.
+    void say(std::ostream& stream, const std::string& text);
+
+    [[nodiscard]] bool lively() const { return lively_; }
 
 private:
-    [[nodiscard]] double seconds() const;
+    using Clock = std::chrono::steady_clock;
+    struct Line {
+        std::string name;
+        JobProgress progress;
+        Clock::time_point start = Clock::now();
+    };
+    void erase();
+    void draw();
+    [[nodiscard]] std::string text(const Line& line) const;
+
     Console& console_;
-    std::string name_;
-    bool quiet_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    const bool lively_;
+    const std::size_t total_;
+    std::mutex mutex_;
+    std::map<std::size_t, Line> lines_;
+    std::size_t begun_ = 0;
+    std::size_t ended_ = 0;
+    int drawn_ = 0;  ///< lines on the terminal
 };
 
 /// A number of bytes for a person: "812 B", "93.1 kB", "4.2 MB".
 [[nodiscard]] std::string bytesText(double bytes);
+
+/// "0.52 s"
+[[nodiscard]] std::string secondsText(double seconds);
 
 }  // namespace rivage::client

@@ -3,8 +3,6 @@
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <charconv>
-#include <optional>
 #include <utility>
 
 namespace rivage::client {
@@ -13,17 +11,23 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kConnectTimeout{5000};
-/// Longer than the longest long poll, so that a server that says nothing is noticed.
-constexpr milliseconds kSilence{60'000};
 /// A problem or a job document; results go into a sink.
 constexpr std::size_t kMaxDocument = std::size_t{64} << 20;
-
-bool isBusy(int status) {
-    return status == 408 || status == 429 || (status >= 502 && status <= 504);
-}
+constexpr const char* kInProgress = "/problems/idempotency-in-progress";
 
 bool couldNotConnect(httplib::Error error) {
     return error == httplib::Error::Connection || error == httplib::Error::ConnectionTimeout;
+}
+
+bool isBroken(httplib::Error error) {
+    switch (error) {
+        case httplib::Error::Read:
+        case httplib::Error::Write:
+        case httplib::Error::ConnectionClosed:
+        case httplib::Error::Timeout:
+        case httplib::Error::SSLPeerCouldBeClosed_: return true;
+        default: return false;
+    }
 }
 
 bool isUntrusted(httplib::Error error) {
@@ -32,28 +36,37 @@ bool isUntrusted(httplib::Error error) {
            error == httplib::Error::SSLLoadingCerts;
 }
 
-/// Seconds of a Retry-After header; 0 if there is none, or a date.
-milliseconds retryAfter(const httplib::Response& response) {
-    const std::string text = response.get_header_value("Retry-After");
-    int seconds = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
-    const bool good = error == std::errc() && end == text.data() + text.size() && seconds > 0;
-    return milliseconds(good ? std::int64_t{1000} * seconds : 0);
+bool isDone(const httplib::Response& response) { return response.status < 400; }
+
+/// Whether a request may be sent again although the server may have acted on it.
+bool isRepeatable(const httplib::Request& request) {
+    return request.method != "POST" || request.has_header("Idempotency-Key");
+}
+
+/// Answers that say "later". With an Idempotency-Key that includes the one to its own first try,
+/// which the server still works on.
+bool isBusy(const httplib::Request& request, const httplib::Response& response) {
+    const int status = response.status;
+    if (status == 408 || status == 429 || (status >= 502 && status <= 504)) return true;
+    return status == 409 && request.has_header("Idempotency-Key") &&
+           response.body.find(kInProgress) != std::string::npos;
 }
 
 Failure timeIsOver() {
     return fail(ExitCode::busy, "The time is over", "the limit is set by --timeout").value();
 }
 
+Failure notKept() { return fail(ExitCode::notWritten, "The result could not be kept").value(); }
+
 /// Sends what comes to the sink if the answer is a success, else into `body`.
-void receiveInto(httplib::Request& request, const BodySink* sink, int& status, std::string& body) {
-    request.response_handler = [&status](const httplib::Response& response) {
-        status = response.status;
-        return true;
+void receiveInto(httplib::Request& request, BodySink* sink, std::string& body, bool& toSink) {
+    request.response_handler = [sink, &toSink](const httplib::Response& response) {
+        toSink = sink != nullptr && (response.status == 200 || response.status == 206);
+        return !toSink || sink->begin(response);
     };
-    request.content_receiver = [&status, &body, sink](const char* data, std::size_t size,
+    request.content_receiver = [&body, &toSink, sink](const char* data, std::size_t size,
                                                       std::size_t, std::size_t) {
-        if (sink != nullptr && status == 200) return sink->write({data, size});
+        if (toSink) return sink->write({data, size});
         if (body.size() + size > kMaxDocument) return false;
         body.append(data, size);
         return true;
@@ -84,12 +97,12 @@ httplib::Client Transport::makeClient() const {
     if (endpoint.tls && !server_.caFile.empty()) client.set_ca_cert_path(server_.caFile);
     if (!server_.apiKey.empty()) client.set_bearer_token_auth(server_.apiKey);
     client.set_connection_timeout(kConnectTimeout);
-    client.set_read_timeout(kSilence);
-    client.set_write_timeout(kSilence);
+    client.set_read_timeout(policy_.silence);
+    client.set_write_timeout(policy_.silence);
     return client;
 }
 
-Transport::Answer Transport::sendOnce(httplib::Request request, const BodySink* sink) {
+Transport::Answer Transport::sendOnce(httplib::Request request, BodySink* sink) {
     httplib::Client client = makeClient();
     if (deadline_ != Clock::time_point::max()) {
         const auto left = std::chrono::duration_cast<milliseconds>(deadline_ - Clock::now());
@@ -98,8 +111,9 @@ Transport::Answer Transport::sendOnce(httplib::Request request, const BodySink* 
     request.start_time_ = Clock::now();  // send() does not set what set_max_timeout counts from
     Answer answer;
     std::string body;
-    int status = 0;
-    receiveInto(request, sink, status, body);
+    bool toSink = false;
+    if (sink != nullptr) sink->prepare(request);
+    receiveInto(request, sink, body, toSink);
     httplib::Result result = [&] {
         const BreakOff breakOff(interrupt_, [&client] { client.stop(); });
         return client.send(request);
@@ -111,22 +125,11 @@ Transport::Answer Transport::sendOnce(httplib::Request request, const BodySink* 
     return answer;
 }
 
-bool Transport::worthAnotherTry(const httplib::Request& request, const Answer& answer,
-                                int tries) const {
-    if (couldNotConnect(answer.error)) return tries < policy_.connectTries;
-    if (answer.error == httplib::Error::Success) return isBusy(answer.response.status);
-    const bool broken = answer.error == httplib::Error::Read ||
-                        answer.error == httplib::Error::Write ||
-                        answer.error == httplib::Error::ConnectionClosed;
-    return broken && request.method != "POST" && tries < policy_.connectTries;
-}
-
 Failure Transport::failureOf(const Answer& answer) const {
     if (answer.error == httplib::Error::Success)
         return client::failureOf(answer.response.status, answer.response.body);
-    if (answer.error == httplib::Error::Canceled)
-        return fail(ExitCode::notWritten, "The result could not be kept").value();
-    if (Clock::now() >= deadline_ || answer.error == httplib::Error::Timeout) return timeIsOver();
+    if (answer.error == httplib::Error::Canceled) return notKept();
+    if (Clock::now() >= deadline_) return timeIsOver();
     if (isUntrusted(answer.error))
         return fail(ExitCode::unreachable, "The certificate of the server is not trusted",
                     toText(server_.endpoint) + ": " + httplib::to_string(answer.error) +
@@ -139,34 +142,42 @@ Failure Transport::failureOf(const Answer& answer) const {
         .value();
 }
 
-milliseconds Transport::delay(const Answer& answer, int tries) {
-    const auto doubled = policy_.base.count() << std::min(tries, 16);
-    const auto most = std::min<std::int64_t>(doubled, policy_.cap.count());
-    std::uniform_int_distribution<std::int64_t> jitter(0, std::max<std::int64_t>(most, 1));
-    return retryAfter(answer.response) + milliseconds(jitter(random_));
+std::optional<Failure> Transport::waitToRetry(const Answer& answer, int tries, Failure failure) {
+    const milliseconds pause = retryAfter(answer.response.get_header_value("Retry-After"),
+                                          std::chrono::system_clock::now()) +
+                               jitter(policy_, tries, random_);
+    if (pause >= deadline_ - Clock::now()) return failure;
+    if (!interrupt_.sleep(pause)) return fail(ExitCode::cancelled, "Cancelled").value();
+    return std::nullopt;
 }
 
-Outcome<httplib::Response> Transport::send(const httplib::Request& request, const BodySink* sink) {
+Outcome<httplib::Response> Transport::send(const httplib::Request& request,
+                                           const SendOptions& options) {
+    const int most = options.patient ? policy_.patientTries : policy_.tries;
+    BodySink* const sink = options.sink;
     std::optional<Failure> refusal;  // why the server refused tells more than that time is over
     for (int tries = 1;; ++tries) {
         if (interrupt_.requested()) return fail(ExitCode::cancelled, "Cancelled");
         if (Clock::now() >= deadline_) return tl::unexpected(refusal.value_or(timeIsOver()));
+        const std::uint64_t kept = sink != nullptr ? sink->received() : 0;
         Answer answer = sendOnce(request, sink);
         if (interrupt_.requested()) return fail(ExitCode::cancelled, "Cancelled");
-        if (answer.error == httplib::Error::Success && answer.response.status < 400)
-            return std::move(answer.response);
+        const bool answered = answer.error == httplib::Error::Success;
+        if (answered && isDone(answer.response)) return std::move(answer.response);
 
         Failure failure = failureOf(answer);
-        if (answer.error == httplib::Error::Success)
-            refusal = failure;
-        else if (refusal && Clock::now() >= deadline_)
-            failure = *refusal;
-        if (!worthAnotherTry(request, answer, tries)) return tl::unexpected(std::move(failure));
-        const milliseconds pause = delay(answer, tries);
-        if (pause >= deadline_ - Clock::now()) return tl::unexpected(std::move(failure));
-        if (!interrupt_.sleep(pause)) return fail(ExitCode::cancelled, "Cancelled");
-        if (sink != nullptr && !sink->restart())
-            return fail(ExitCode::notWritten, "The result could not be kept");
+        if (answered) refusal = failure;
+        if (!answered && refusal && Clock::now() >= deadline_) failure = *refusal;
+        const bool noSuchPart = answered && answer.response.status == 416 && kept > 0;
+        const bool again = answered ? isBusy(request, answer.response) || noSuchPart
+                                    : couldNotConnect(answer.error) ||
+                                          (isBroken(answer.error) && isRepeatable(request));
+        if (sink != nullptr && sink->received() > kept) tries = 0;
+        const bool inVain = (!answered || noSuchPart) && tries >= most;
+        if (!again || inVain) return tl::unexpected(std::move(failure));
+        if (noSuchPart && !sink->restart()) return tl::unexpected(notKept());
+        if (auto over = waitToRetry(answer, std::max(tries, 1), std::move(failure)))
+            return tl::unexpected(*std::move(over));
     }
 }
 

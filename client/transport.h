@@ -4,7 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
+#include <optional>
 #include <random>
 #include <string>
 #include <string_view>
@@ -12,28 +12,37 @@
 #include "client/endpoint.h"
 #include "client/failure.h"
 #include "client/interrupt.h"
+#include "client/retry.h"
 
 namespace rivage::client {
 
 using Clock = std::chrono::steady_clock;
 
-/// How often and how long to try. The delay before try n is drawn from [0, base * 2^n), at most
-/// `cap`, on top of what `Retry-After` asks for.
-struct RetryPolicy {
-    std::chrono::milliseconds base{250};
-    std::chrono::milliseconds cap{10'000};
-    int connectTries = 5;  ///< a full server is asked until the deadline, an absent one is not
+/// Where the body of a successful answer goes, instead of into memory. It may stay together over
+/// several tries, each of which asks for what is still missing.
+class BodySink {
+public:
+    virtual ~BodySink() = default;
+    /// Before every try: asks for what is missing.
+    virtual void prepare(httplib::Request& request) = 0;
+    /// The head of an answer with status 200 or 206; false gives up.
+    virtual bool begin(const httplib::Response& head) = 0;
+    /// The next bytes; false gives up.
+    virtual bool write(std::string_view bytes) = 0;
+    /// An answer without the part that was asked for (416): drops all; false gives up.
+    virtual bool restart() = 0;
+    /// Bytes that are kept. A try that brought some does not count as one in vain.
+    [[nodiscard]] virtual std::uint64_t received() const = 0;
 };
 
-/// Where the body of a successful answer goes, instead of into memory.
-struct BodySink {
-    std::function<bool()> restart;                ///< forget what came: the request is tried again
-    std::function<bool(std::string_view)> write;  ///< false gives up
+struct SendOptions {
+    BodySink* sink = nullptr;
+    bool patient = false;  ///< a job of ours is at the server
 };
 
 /// Sends requests to one server, each at its own connection, and tries again where that is right:
 /// what could not connect; 408, 429, 502, 503, 504; and broken connections if the method is safe to
-/// repeat. Each thread needs its own.
+/// repeat or the request has an Idempotency-Key. Each thread needs its own.
 class Transport {
 public:
     Transport(ServerAccess server, Interrupt& interrupt, RetryPolicy policy = {});
@@ -46,7 +55,7 @@ public:
     /// @errors  unreachable; busy if the time is over or the server stays full; cancelled; else
     ///          what the server's problem means
     Outcome<httplib::Response> send(const httplib::Request& request,
-                                    const BodySink* sink = nullptr);
+                                    const SendOptions& options = {});
 
     /// Sends a request once, within `patience`, even after a stop was asked for: for giving up a
     /// job. The answer does not matter.
@@ -60,10 +69,10 @@ private:
         httplib::Response response;
     };
     httplib::Client makeClient() const;
-    Answer sendOnce(httplib::Request request, const BodySink* sink);
-    bool worthAnotherTry(const httplib::Request& request, const Answer& answer, int tries) const;
+    Answer sendOnce(httplib::Request request, BodySink* sink);
     [[nodiscard]] Failure failureOf(const Answer& answer) const;
-    std::chrono::milliseconds delay(const Answer& answer, int tries);
+    /// Waits before the next try; why not, if there is none.
+    std::optional<Failure> waitToRetry(const Answer& answer, int tries, Failure failure);
 
     ServerAccess server_;
     Interrupt& interrupt_;

@@ -106,7 +106,11 @@ TEST_CASE("regularize: --json prints the report on one line") {
     Run run;
     run(fixture.regularize({"--json"}));
     CHECK(run.code == ExitCode::ok);
-    CHECK(run.out.str() == fixture.jobs.report + "\n");
+    const auto line = proto::Json::parse(run.out.str());
+    CHECK(line["output"]["media_type"] == "model/gltf-binary");
+    CHECK(line["run"]["input"] == fixture.grid);
+    CHECK(line["run"]["output"] == fixture.folder / "house.glb");
+    CHECK(line["run"]["job"] == fixture.jobs.id);
 }
 
 TEST_CASE("regularize: a full server is asked again until it takes the job") {
@@ -195,15 +199,18 @@ TEST_CASE("reject: a job that was cancelled at the server") {
     CHECK(run.code == ExitCode::cancelled);
 }
 
-TEST_CASE("reject: a job that never ends is given up and cancelled") {
+TEST_CASE("reject: a job that never ends stays at the server, and the words say how to fetch it") {
     Fixture fixture;
     fixture.jobs.state = "running";
     fixture.start();
     Run run;
-    run(fixture.regularize({"--timeout", "0.3"}));
+    run(fixture.regularize({"--timeout", "0.3", "-o", fixture.folder / "a b.glb"}));
     CHECK(run.code == ExitCode::busy);
-    CHECK(fixture.jobs.deletes == 1);
+    CHECK(fixture.jobs.deletes == 0);
     CHECK(fixture.folder.entries() == 1);
+    CHECK(run.err.str().find("rivage jobs fetch " + fixture.jobs.id + " -o '" +
+                             (fixture.folder / "a b.glb") + "' --server " + fixture.server.url()) !=
+          std::string::npos);
 }
 
 TEST_CASE("reject: a stop cancels the job at the server") {

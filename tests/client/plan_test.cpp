@@ -8,12 +8,23 @@
 
 namespace rivage::client {
 
+namespace {
+
+Outcome<std::vector<PlannedFile>> plan(const std::vector<std::string>& names,
+                                       const std::string& out) {
+    const auto inputs = findInputs(names, {".vox"}, false);
+    if (!inputs) return tl::unexpected(inputs.error());
+    return planFiles(*inputs, out, "glb");
+}
+
+}  // namespace
+
 TEST_SUITE_BEGIN("client");
 
 TEST_CASE("plan: where results go") {
     const TemporaryFolder folder;
     const auto outputOf = [](const std::string& input, const std::string& out) {
-        return planFiles({input}, out, "glb")->front().output;
+        return plan({input}, out)->front().output;
     };
     CHECK(outputOf("a/house.vox", "") == "a/house.glb");
     CHECK(outputOf("house", "") == "house.glb");
@@ -26,16 +37,16 @@ TEST_CASE("plan: where results go") {
 }
 
 TEST_CASE("reject: two results in one place") {
-    CHECK_FALSE(planFiles({"a/x.vox", "b/x.vox"}, "out/", "glb"));
-    CHECK_FALSE(planFiles({"a/x.vox", "a/x.npy"}, "", "glb"));
-    CHECK_FALSE(planFiles({"a.vox", "b.vox"}, "one.glb", "glb"));
-    CHECK_FALSE(planFiles({"a.vox", "b.vox"}, "-", "glb"));
+    CHECK_FALSE(plan({"a/x.vox", "b/x.vox"}, "out/"));
+    CHECK_FALSE(plan({"a/x.vox", "a/x.npy"}, ""));
+    CHECK_FALSE(plan({"a.vox", "b.vox"}, "one.glb"));
+    CHECK_FALSE(plan({"a.vox", "b.vox"}, "-"));
 }
 
 TEST_CASE("reject: a result onto its own input") {
     const TemporaryFolder folder;
     std::ofstream(folder / "a.vox") << "x";
-    const auto files = planFiles({folder / "a.vox"}, folder / "./a.vox", "glb");
+    const auto files = plan({folder / "a.vox"}, folder / "./a.vox");
     REQUIRE_FALSE(files);
     CHECK(files.error().exit == ExitCode::usage);
 }

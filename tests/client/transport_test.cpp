@@ -1,4 +1,4 @@
-#include "client/transport.h"
+#include "client/download.h"
 
 #include <doctest/doctest.h>
 
@@ -53,7 +53,7 @@ TEST_CASE("transport: Retry-After is waited for") {
     CHECK(Clock::now() - start >= 1s);
 }
 
-TEST_CASE("transport: a broken download begins again, an upload does not") {
+TEST_CASE("transport: a broken download begins again, an upload only with a key") {
     FakeServer server;
     std::atomic<int> calls{0};
     const auto half = [&](const httplib::Request&, httplib::Response& response) {
@@ -70,17 +70,25 @@ TEST_CASE("transport: a broken download begins again, an upload does not") {
     Interrupt interrupt;
     Transport transport({{"127.0.0.1", server.port()}}, interrupt, kQuick);
     std::string got;
-    const BodySink sink{[&] { return got.clear(), true; },
-                        [&](std::string_view bytes) { return got += bytes, true; }};
-    CHECK(transport.send(makeRequest("GET", "/"), &sink));
+    const ByteStore store{[&] { return got.clear(), true; },
+                          [&](std::string_view bytes) { return got += bytes, true; }};
+    CHECK(download(transport, "/", store));
     CHECK(got == "abcdef");
     CHECK(calls == 2);
 
     calls = 0;
-    const auto posted = transport.send(makeRequest("POST", "/"), &sink);
+    const auto posted = transport.send(makeRequest("POST", "/"));
     REQUIRE_FALSE(posted);
     CHECK(posted.error().exit == ExitCode::unreachable);
     CHECK(calls == 1);
+
+    calls = 0;
+    httplib::Request repeatable = makeRequest("POST", "/");
+    repeatable.set_header("Idempotency-Key", "\"a\"");
+    const auto repeated = transport.send(repeatable);
+    REQUIRE(repeated);
+    CHECK(repeated->body == "abcdef");
+    CHECK(calls == 2);
 }
 
 TEST_CASE("transport: the deadline ends a request that hangs") {

@@ -1,0 +1,158 @@
+#include <cstdio>
+#include <filesystem>
+
+#include "client/commands/session.h"
+#include "client/inputs.h"
+#include "client/job_calls.h"
+#include "client/progress.h"
+#include "client/target.h"
+
+namespace rivage::client {
+namespace {
+
+using proto::Json;
+
+/// What one command does with one job; the answer is shown.
+using JobAction = Outcome<Json> (*)(Session&, const std::string& id, ProgressBoard&);
+
+std::string jobLine(const Json& job) {
+    char text[160];
+    std::snprintf(text, sizeof text, "%-36s  %-9s %-10s %3.0f %%  %.19s", textOf(job, "id").c_str(),
+                  textOf(job, "state").c_str(), textOf(job, "stage").c_str(),
+                  100 * numberOf(job, "progress"), textOf(job, "created").c_str());
+    std::string line = text;
+    if (const JobProgress progress = progressOf(job); progress.queuePosition)
+        line += "  " + std::to_string(static_cast<int>(*progress.queuePosition)) + " ahead";
+    const auto error = job.find("error");
+    if (error != job.end() && error->is_object()) line += "  " + textOf(*error, "title");
+    return line + "\n";
+}
+
+void show(Session& session, ProgressBoard& board, const Json& job) {
+    board.say(session.console.out,
+              session.invocation.json ? proto::writeJson(job) + "\n" : jobLine(job));
+}
+
+/// Does something with every job that was named; the exit code is that of the first that failed.
+ExitCode forEachJob(Session& session, JobAction action) {
+    ProgressBoard board(session.console, session.invocation.quiet,
+                        session.invocation.inputs.size());
+    ExitCode first = ExitCode::ok;
+    for (const std::string& id : session.invocation.inputs) {
+        if (session.interrupt.requested()) return ExitCode::cancelled;
+        const Outcome<Json> done = action(session, id, board);
+        if (done) continue;
+        if (session.invocation.json)
+            board.say(session.console.out, proto::writeJson(done.error().problem) + "\n");
+        board.say(session.console.err, complaintText(session, id, done.error(), {}));
+        if (first == ExitCode::ok) first = done.error().exit;
+        if (done.error().exit == ExitCode::unreachable) break;
+    }
+    return first;
+}
+
+Outcome<Json> status(Session& session, const std::string& id, ProgressBoard& board) {
+    Transport transport = session.connect();
+    auto job = getJob(transport, id);
+    if (job) show(session, board, *job);
+    return job;
+}
+
+/// A job that has ended. Giving up the waiting leaves it alone.
+Outcome<Json> ended(Session& session, Transport& transport, const std::string& id,
+                    ProgressBoard& board) {
+    const std::size_t line = board.begin(id);
+    auto job = followJob(
+        transport, id,
+        {[&](const JobProgress& progress) { board.update(line, progress); }, board.lively()});
+    board.end(line);
+    if (!job && job.error().exit != ExitCode::refused && !session.interrupt.requested())
+        job.error().job = id;
+    return job;
+}
+
+Outcome<Json> wait(Session& session, const std::string& id, ProgressBoard& board) {
+    Transport transport = session.connect();
+    auto job = ended(session, transport, id, board);
+    if (!job) return job;
+    show(session, board, *job);
+    return reportOf(*job);
+}
+
+Outcome<Json> cancel(Session& session, const std::string& id, ProgressBoard& board) {
+    Transport transport = session.connect();
+    auto job = getJob(transport, id);
+    if (!job) return job;
+    // The same request would make the server forget a job that has ended, and its result.
+    const std::string state = textOf(*job, "state");
+    if (state == "queued" || state == "running") {
+        const auto deleted = transport.send(makeDeletion(id));
+        if (!deleted) return tl::unexpected(deleted.error());
+        (*job)["state"] = "canceled";
+    }
+    show(session, board, *job);
+    return job;
+}
+
+/// Where the result of a job goes: a job knows no name of its input, so its id is the name.
+std::string placeOf(const Session& session, const std::string& id, const Json& job) {
+    const std::string& out = session.invocation.out;
+    std::error_code ignored;
+    const bool folder = out.ends_with('/') || std::filesystem::is_directory(out, ignored);
+    if (!out.empty() && !folder) return out;
+    const auto options = job.find("options");
+    const std::string format =
+        options != job.end() && options->is_object() ? textOf(*options, "output") : std::string();
+    const std::string name = id + (format == "obj" ? ".obj" : ".glb");
+    return out.empty() ? name : (std::filesystem::path(out) / name).string();
+}
+
+Outcome<Json> fetch(Session& session, const std::string& id, ProgressBoard& board) {
+    Transport transport = session.connect();
+    const auto job = ended(session, transport, id, board);
+    if (!job) return job;
+    auto report = reportOf(*job);
+    if (!report) return report;
+    const std::string place = placeOf(session, id, *job);
+    if (session.invocation.out.ends_with('/'))
+        if (auto made = makeFolderOf(place); !made) return tl::unexpected(made.error());
+    auto target = Target::open(place, session.console);
+    if (!target) return tl::unexpected(target.error());
+    const ByteStore store = target->store();
+    if (auto fetched = fetchResult(transport, id, store); !fetched)
+        return tl::unexpected(fetched.error());
+    const std::uint64_t size = target->size();
+    if (auto committed = target->commit(); !committed) return tl::unexpected(committed.error());
+    if (session.invocation.json && place != kStandardStream) {
+        (*report)["run"] = {{"job", id}, {"output", place}, {"bytes", size}};
+        board.say(session.console.out, proto::writeJson(*report) + "\n");
+    }
+    if (!session.invocation.quiet)
+        board.say(session.console.err,
+                  id + " -> " + place + ", " + bytesText(static_cast<double>(size)) + "\n");
+    return report;
+}
+
+}  // namespace
+
+ExitCode runJobsList(Session& session) {
+    Transport transport = session.connect();
+    const auto jobs =
+        listJobs(transport, {session.invocation.jobState, session.invocation.jobLimit});
+    if (!jobs) return complain(session.invocation, session.console, {}, jobs.error());
+    for (const Json& job : *jobs)
+        session.console.out << (session.invocation.json ? proto::writeJson(job) + "\n"
+                                                        : jobLine(job));
+    session.console.out << std::flush;
+    return session.console.out ? ExitCode::ok : ExitCode::notWritten;
+}
+
+ExitCode runJobsStatus(Session& session) { return forEachJob(session, status); }
+
+ExitCode runJobsWait(Session& session) { return forEachJob(session, wait); }
+
+ExitCode runJobsCancel(Session& session) { return forEachJob(session, cancel); }
+
+ExitCode runJobsFetch(Session& session) { return forEachJob(session, fetch); }
+
+}  // namespace rivage::client

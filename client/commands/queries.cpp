@@ -1,0 +1,98 @@
+#include "client/commands/session.h"
+#include "client/inputs.h"
+#include "client/progress.h"
+#include "client/report_table.h"
+#include "client/target.h"
+#include "client/upload.h"
+
+namespace rivage::client {
+namespace {
+
+using proto::Json;
+
+ExitCode stop(Session& session, const std::string& about, const Failure& failure) {
+    return complain(session.invocation, session.console, about, failure);
+}
+
+/// A request whose answer is a JSON document, printed as JSON or as `table` makes it.
+ExitCode show(Session& session, const httplib::Request& request,
+              std::string (*table)(const Json&)) {
+    const auto response = session.connect().send(request);
+    if (!response) return stop(session, {}, response.error());
+    const Json json = Json::parse(response->body, nullptr, false);
+    if (!json.is_object()) return stop(session, {}, failureOf(500, "The answer is no JSON object"));
+    session.console.out << (session.invocation.json ? proto::writeJson(json) + "\n" : table(json))
+                        << std::flush;
+    return session.console.out ? ExitCode::ok : ExitCode::notWritten;
+}
+
+std::string sampleList(const Json& answer) {
+    std::string text;
+    for (const Json& sample : answer.value("samples", Json::array())) {
+        const std::string name =
+            sample.is_string() ? sample.get<std::string>() : textOf(sample, "name");
+        const std::string words = sample.is_object() ? textOf(sample, "description") : "";
+        text += name;
+        if (!words.empty())
+            text += std::string(name.size() < 16 ? 16 - name.size() : 1, ' ') + words;
+        text += "\n";
+    }
+    return text;
+}
+
+Outcome<std::uint64_t> fetchSample(Session& session, const std::string& name,
+                                   const std::string& out) {
+    auto target = Target::open(out, session.console);
+    if (!target) return tl::unexpected(target.error());
+    const ByteStore store = target->store();
+    Transport transport = session.connect();
+    const auto fetched =
+        download(transport, "/v1/samples/" + httplib::encode_uri_component(name), store);
+    if (!fetched) return tl::unexpected(fetched.error());
+    const std::uint64_t size = target->size();
+    if (auto committed = target->commit(); !committed) return tl::unexpected(committed.error());
+    return size;
+}
+
+std::string healthLine(const Json& answer) {
+    return textOf(answer, "name") + " " + textOf(answer, "version") + " answers\n";
+}
+
+}  // namespace
+
+ExitCode runInspect(Session& session) {
+    auto bytes = readInput(session.invocation.inputs.front(), session.console);
+    if (!bytes) return stop(session, {}, bytes.error());
+    const Upload upload{*std::move(bytes), session.invocation.options};
+    return show(session, makeUpload("/v1/inspect", upload), inspectionTable);
+}
+
+ExitCode runSample(Session& session) {
+    const std::string& name = session.invocation.inputs.front();
+    const std::string out = session.invocation.out.empty() ? name + ".vox" : session.invocation.out;
+    const auto size = fetchSample(session, name, out);
+    if (!size) return stop(session, name, size.error());
+    if (session.invocation.json && out != kStandardStream)
+        session.console.out << proto::writeJson(
+                                   {{"sample", name}, {"output", out}, {"bytes", *size}})
+                            << "\n"
+                            << std::flush;
+    if (!session.invocation.quiet && out != kStandardStream)
+        session.console.err << name << " -> " << out << ", "
+                            << bytesText(static_cast<double>(*size)) << "\n";
+    return ExitCode::ok;
+}
+
+ExitCode runListSamples(Session& session) {
+    return show(session, makeRequest("GET", "/v1/samples"), sampleList);
+}
+
+ExitCode runOptions(Session& session) {
+    return show(session, makeRequest("GET", "/v1/options"), optionTable);
+}
+
+ExitCode runHealth(Session& session) {
+    return show(session, makeRequest("GET", "/version"), healthLine);
+}
+
+}  // namespace rivage::client

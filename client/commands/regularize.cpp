@@ -1,0 +1,57 @@
+#include "client/commands/regularize.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "client/commands/batch.h"
+#include "client/target.h"
+
+namespace rivage::client {
+namespace {
+
+std::string valueOf(const std::vector<proto::OptionText>& options, const char* name) {
+    const auto parsed = proto::parseOptions(options);
+    return parsed ? textOf(proto::toJson(*parsed), name) : std::string();
+}
+
+}  // namespace
+
+Outcome<RegularizePlan> planRegularize(const Invocation& invocation) {
+    std::vector<std::string> extensions{".vox", ".npy"};
+    if (valueOf(invocation.options, "format") == "raw") extensions = {".raw"};
+    auto inputs = findInputs(invocation.inputs, extensions, invocation.watch);
+    if (!inputs) return tl::unexpected(inputs.error());
+    auto files = planFiles(*inputs, invocation.out, valueOf(invocation.options, "output"));
+    if (!files) return tl::unexpected(files.error());
+    const auto usesStdio = [](const PlannedFile& file) {
+        return file.output == kStandardStream || file.input == kStandardStream;
+    };
+    const auto toStdout = [](const PlannedFile& file) { return file.output == kStandardStream; };
+    if (invocation.json && std::any_of(files->begin(), files->end(), toStdout))
+        return fail(ExitCode::usage, "stdout cannot take both",
+                    "--json prints there, so the result needs -o FILE");
+    if (invocation.watch && std::any_of(files->begin(), files->end(), usesStdio))
+        return fail(ExitCode::usage, "Only files can be watched", "'-' cannot");
+    return RegularizePlan{*std::move(inputs), *std::move(files)};
+}
+
+Outcome<void> makeFolders(const Invocation& invocation, const RegularizePlan& plan) {
+    // A single file that names a folder which is not there is a slip, a tree is made as it is.
+    const bool tree = plan.inputs.many || invocation.out.ends_with('/');
+    for (const PlannedFile& file : plan.files) {
+        if (!tree || invocation.out.empty()) continue;
+        if (auto made = makeFolderOf(file.output); !made) return made;
+    }
+    return {};
+}
+
+ExitCode runRegularize(Session& session, const RegularizePlan& plan) {
+    const auto start = Clock::now();
+    const auto outcomes = convertFiles(session, plan.files);
+    const std::chrono::duration<double> time = Clock::now() - start;
+    summarize(session, outcomes, time.count());
+    if (session.interrupt.requested()) return ExitCode::cancelled;
+    return firstFailure(outcomes);
+}
+
+}  // namespace rivage::client

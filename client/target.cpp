@@ -1,0 +1,51 @@
+#include "client/target.h"
+
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "client/plan.h"
+
+namespace rivage::client {
+
+Outcome<Target> Target::open(const std::string& path, Console& console) {
+    Target target(console);
+    if (path == kStandardStream) {
+        if (console.outIsTerminal)
+            return fail(ExitCode::usage, "A terminal is no place for a binary file",
+                        "use -o FILE, or send stdout to a file");
+        return target;
+    }
+    auto file = OutputFile::open(path);
+    if (!file) return tl::unexpected(file.error());
+    target.file_.emplace(*std::move(file));
+    return target;
+}
+
+ByteStore Target::store() {
+    return {[this] { return file_ ? file_->restart() : (buffer_.clear(), true); },
+            [this](std::string_view bytes) {
+                if (file_) return file_->write(bytes);
+                buffer_ += bytes;
+                return true;
+            }};
+}
+
+Outcome<void> Target::commit() {
+    if (file_) return file_->commit();
+    console_->out.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size())).flush();
+    if (!console_->out) return fail(ExitCode::notWritten, "stdout cannot be written");
+    return {};
+}
+
+Outcome<void> makeFolderOf(const std::string& path) {
+    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+    std::error_code error;
+    if (!folder.empty()) std::filesystem::create_directories(folder, error);
+    if (error)
+        return fail(ExitCode::notWritten, "The folder cannot be made",
+                    folder.string() + ": " + error.message());
+    return {};
+}
+
+}  // namespace rivage::client

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "client/console.h"
+#include "client/download.h"
+#include "client/output_file.h"
+
+namespace rivage::client {
+
+/// The place of one result: a file that appears when it is whole, or stdout.
+class Target {
+public:
+    /// @param path  "-" is stdout
+    /// @errors usage if stdout is a terminal; notWritten
+    static Outcome<Target> open(const std::string& path, Console& console);
+
+    /// Where the bytes of the result go; to be used while the target stays where it is.
+    [[nodiscard]] ByteStore store();
+    [[nodiscard]] std::uint64_t size() const { return file_ ? file_->size() : buffer_.size(); }
+    /// @errors notWritten
+    Outcome<void> commit();
+
+private:
+    explicit Target(Console& console) : console_(&console) {}
+    Console* console_;
+    std::optional<OutputFile> file_;
+    std::string buffer_;
+};
+
+/// Makes the folders above a file.
+/// @errors notWritten
+Outcome<void> makeFolderOf(const std::string& path);
+
+}  // namespace rivage::client
