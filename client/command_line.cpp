@@ -1,155 +1,17 @@
 #include "client/command_line.h"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
-#include <map>
 #include <utility>
 
-#include "client/job_calls.h"
+#include "client/command_tree.h"
+#include "client/settings.h"
 
 namespace rivage::client {
 namespace {
-
-/// What CLI11 fills in while it reads.
-struct Parsed {
-    Invocation invocation;
-    std::map<std::string, std::string> options;  ///< by the name on the wire
-    std::string apiKeyFile;
-    double seconds = 600;
-    bool list = false;
-};
-
-std::string flagName(std::string name) {
-    std::replace(name.begin(), name.end(), '_', '-');
-    return "--" + name;
-}
-
-std::string valueName(const proto::OptionInfo& info) {
-    std::string text;
-    for (const std::string& word : info.words) text += (text.empty() ? "" : "|") + word;
-    switch (info.type) {
-        case proto::OptionType::choice: return text;
-        case proto::OptionType::flag: return "true|false";
-        case proto::OptionType::dims:
-        case proto::OptionType::spacing: return "XxYxZ";
-        case proto::OptionType::weights: return "JSON";
-        case proto::OptionType::labels: return text + "|JSON";
-        case proto::OptionType::integer:
-        case proto::OptionType::number: return text.empty() ? "NUMBER" : "NUMBER|" + text;
-    }
-    return text;
-}
-
-/// One flag for every conversion option of the given groups; an empty list takes all.
-void addConversionOptions(CLI::App& command, Parsed& parsed, const std::string& onlyGroup) {
-    for (const proto::OptionInfo& info : proto::optionInfos()) {
-        if (!onlyGroup.empty() && info.group != onlyGroup) continue;
-        command
-            .add_option_function<std::string>(
-                flagName(info.name),
-                [&parsed, name = info.name](const std::string& value) {
-                    parsed.options[name] = value;
-                },
-                info.sentence)
-            ->type_name(valueName(info))
-            ->group("Conversion: " + info.group);
-    }
-}
-
-void addCommon(CLI::App& app, Parsed& parsed) {
-    app.add_option("--server", parsed.invocation.server,
-                   "http[s]://HOST:PORT or unix:/PATH; without it a server is started for this run")
-        ->envname("RIVAGE_SERVER")
-        ->type_name("URL");
-    app.add_option("--api-key-file", parsed.apiKeyFile,
-                   "File whose first line is the API key; or set RIVAGE_API_KEY to the key")
-        ->type_name("FILE");
-    app.add_option("--ca-file", parsed.invocation.caFile,
-                   "PEM file of certificates to trust, instead of those of the system")
-        ->envname("RIVAGE_CA_FILE")
-        ->type_name("FILE");
-    app.add_option("--timeout", parsed.seconds, "Seconds for each input, waiting included")
-        ->capture_default_str()
-        ->check(CLI::Range(0.001, 1e6))
-        ->type_name("SECONDS");
-    app.add_flag("-q,--quiet", parsed.invocation.quiet, "Say nothing but errors");
-    app.add_flag("--json", parsed.invocation.json, "Print JSON on stdout, one line for each input");
-}
-
-CLI::Option* addOut(CLI::App& command, Parsed& parsed, const std::string& sentence) {
-    return command.add_option("-o,--out", parsed.invocation.out, sentence)->type_name("PATH");
-}
-
-void addBatchOptions(CLI::App& command, Parsed& parsed) {
-    command
-        .add_option("-w,--workers", parsed.invocation.workers,
-                    "Conversions at a time [2; the processors, if no server is named]")
-        ->check(CLI::Range(1, 256))
-        ->type_name("NUMBER");
-    command.add_flag("--if-newer", parsed.invocation.ifNewer,
-                     "Pass over inputs that are older than their results");
-    command.add_flag("--stop-on-error", parsed.invocation.stopOnError,
-                     "Begin no further conversion after the first that failed");
-    command.add_flag("--watch", parsed.invocation.watch,
-                     "Then wait, and convert again what changes, until Ctrl-C");
-}
-
-void addIds(CLI::App& command, Parsed& parsed) {
-    command.add_option("ID", parsed.invocation.inputs, "Ids of jobs")
-        ->required()
-        ->check(CLI::Validator(
-            [](const std::string& text) {
-                return isJobId(text) ? std::string() : "no id of a job: " + text;
-            },
-            ""));
-}
-
-void addJobCommands(CLI::App& app, Parsed& parsed) {
-    CLI::App* jobs = app.add_subcommand("jobs", "What a server works on, and has done");
-    jobs->require_subcommand(1);
-    CLI::App* list = jobs->add_subcommand("list", "Your jobs, newest first");
-    list->add_option("--state", parsed.invocation.jobState, "Only those in this state")
-        ->check(CLI::IsMember({"queued", "running", "succeeded", "failed", "canceled"}))
-        ->type_name("queued|running|succeeded|failed|canceled");
-    list->add_option("--limit", parsed.invocation.jobLimit, "How many at most; 0 is all")
-        ->capture_default_str()
-        ->type_name("NUMBER");
-    addIds(*jobs->add_subcommand("status", "How far jobs are"), parsed);
-    addIds(*jobs->add_subcommand("wait", "Wait until jobs have ended"), parsed);
-    addIds(*jobs->add_subcommand("cancel", "Cancel jobs that have not ended"), parsed);
-    CLI::App* fetch = jobs->add_subcommand("fetch", "Wait for jobs and write their results");
-    addIds(*fetch, parsed);
-    addOut(*fetch, parsed, "A file, a folder, or '-' for stdout [ID.glb]");
-}
-
-void addCommands(CLI::App& app, Parsed& parsed) {
-    CLI::App* regularize =
-        app.add_subcommand("regularize", "Convert voxel grids into smooth surfaces ('-' is stdin)");
-    regularize
-        ->add_option("IN", parsed.invocation.inputs,
-                     "Grids (.vox, .npy, raw), folders of grids at any depth, or patterns such as "
-                     "'models/**/*.vox'")
-        ->required();
-    addOut(*regularize, parsed, "A file, a folder, or '-' for stdout [beside the input]");
-    addBatchOptions(*regularize, parsed);
-    addConversionOptions(*regularize, parsed, {});
-
-    CLI::App* inspect = app.add_subcommand("inspect", "Tell what is in a grid");
-    inspect->add_option("IN", parsed.invocation.inputs, "A grid, '-' is stdin")
-        ->required()
-        ->expected(1);
-    addConversionOptions(*inspect, parsed, "input");
-
-    CLI::App* sample = app.add_subcommand("sample", "Write a sample scene as .vox");
-    CLI::Option* list = sample->add_flag("--list", parsed.list, "List the samples");
-    sample->add_option("NAME", parsed.invocation.inputs, "Which one")->expected(1)->excludes(list);
-    addOut(*sample, parsed, "A file, or '-' for stdout [NAME.vox]")->excludes(list);
-
-    addJobCommands(app, parsed);
-    app.add_subcommand("options", "List the conversion options of the server");
-    app.add_subcommand("health", "Ask whether the server takes work");
-}
 
 /// What is wrong with a command line that CLI11 refused, naming a command that does not exist.
 std::string complaint(const CLI::App& app, const std::vector<std::string>& arguments,
@@ -181,21 +43,33 @@ Outcome<std::string> apiKeyOf(const std::string& file) {
     return std::string(key);
 }
 
-Command commandOf(const CLI::App& app) {
-    static const std::map<std::string, Command> kCommands{
-        {"regularize", Command::regularize},  {"inspect", Command::inspect},
-        {"sample", Command::sample},          {"options", Command::options},
-        {"health", Command::health},          {"jobs list", Command::jobsList},
-        {"jobs status", Command::jobsStatus}, {"jobs wait", Command::jobsWait},
-        {"jobs cancel", Command::jobsCancel}, {"jobs fetch", Command::jobsFetch}};
-    const CLI::App* command = app.get_subcommands().front();
-    std::string name = command->get_name();
-    if (!command->get_subcommands().empty())
-        name += " " + command->get_subcommands().front()->get_name();
-    return kCommands.at(name);
+/// The options that the command sends: those of the input alone where nothing is converted.
+std::vector<proto::OptionText> optionsOf(Command command, const Parsed& parsed) {
+    std::vector<proto::OptionText> options;
+    if (command != Command::regularize && command != Command::inspect) return options;
+    for (const proto::OptionInfo& info : proto::optionInfos()) {
+        const auto given = parsed.options.find(info.name);
+        if (given != parsed.options.end() &&
+            (command == Command::regularize || info.group == "input"))
+            options.push_back({info.name, given->second});
+    }
+    return options;
 }
 
-CommandLine finish(const CLI::App& app, Parsed& parsed, Console& console) {
+/// Where a value that is refused stands, if that is the file of settings.
+std::string placeOf(const core::Error& error, const Parsed& parsed,
+                    const std::vector<Setting>& settings) {
+    const std::string name = error.field.substr(error.field.rfind('/') + 1);
+    const auto value = parsed.options.find(name);
+    for (const Setting& setting : settings)
+        if (value != parsed.options.end() && flagName(name) == "--" + setting.name &&
+            value->second == setting.value)
+            return ", as " + setting.place + " says";
+    return {};
+}
+
+CommandLine finish(const CLI::App& app, Parsed& parsed, const std::vector<Setting>& settings,
+                   Console& console) {
     Invocation& invocation = parsed.invocation;
     invocation.command = commandOf(app);
     invocation.timeout =
@@ -203,9 +77,11 @@ CommandLine finish(const CLI::App& app, Parsed& parsed, Console& console) {
     auto key = apiKeyOf(parsed.apiKeyFile);
     if (!key) return complain(console, describe(key.error()));
     invocation.apiKey = *std::move(key);
-    for (auto& [name, value] : parsed.options) invocation.options.push_back({name, value});
+    if (!invocation.caFile.empty() && access(invocation.caFile.c_str(), R_OK) != 0)
+        return complain(console, "--ca-file: cannot read " + invocation.caFile);
+    invocation.options = optionsOf(invocation.command, parsed);
     if (const auto valid = proto::parseOptions(invocation.options); !valid)
-        return complain(console, valid.error().message);
+        return complain(console, valid.error().message + placeOf(valid.error(), parsed, settings));
     if (invocation.command == Command::sample) {
         if (parsed.list)
             invocation.command = Command::listSamples;
@@ -218,13 +94,14 @@ CommandLine finish(const CLI::App& app, Parsed& parsed, Console& console) {
 }  // namespace
 
 CommandLine parseCommandLine(const std::vector<std::string>& arguments, Console& console) {
-    CLI::App app("Rivage turns voxel art into smooth surfaces.", "rivage");
-    app.set_version_flag("--version", "rivage " RIVAGE_VERSION);
-    app.require_subcommand(1);
-    app.fallthrough();
+    CLI::App app(kProgramSentence, "rivage");
     Parsed parsed;
-    addCommon(app, parsed);
-    addCommands(app, parsed);
+    describeCommandLine(app, parsed);
+    // The file comes first, so that the variables and the command line win over it; but a broken
+    // one must not keep --help from being read.
+    const auto settings = loadSettings(arguments);
+    const auto applied =
+        settings ? applySettings(app, *settings) : tl::unexpected(settings.error());
     std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // CLI11 wants it so
     try {
         app.parse(std::move(reversed));
@@ -234,7 +111,9 @@ CommandLine parseCommandLine(const std::vector<std::string>& arguments, Console&
     } catch (const CLI::ParseError& error) {
         return complain(console, complaint(app, arguments, error));
     }
-    return finish(app, parsed, console);
+    if (!applied) return complain(console, describe(applied.error()));
+    if (auto known = checkVariables(app); !known) return complain(console, describe(known.error()));
+    return finish(app, parsed, *settings, console);
 }
 
 }  // namespace rivage::client

@@ -27,6 +27,8 @@ enum class Command : std::uint8_t {
     jobsFetch,
 };
 
+inline constexpr const char* kProgramSentence = "Rivage turns voxel art into smooth surfaces.";
+
 /// A command line, read and checked.
 struct Invocation {
     Command command = Command::health;
@@ -43,6 +45,7 @@ struct Invocation {
     bool watch = false;
     std::string jobState;  ///< empty: any
     std::size_t jobLimit = 20;
+    std::string color = "auto";
     bool quiet = false;
     bool json = false;
     RetryPolicy retry = {};

@@ -29,10 +29,14 @@ std::string printable(std::string text) {
 
 }  // namespace
 
-tl::unexpected<Failure> fail(ExitCode exit, std::string title, std::string detail) {
+Failure failureWith(ExitCode exit, std::string title, std::string detail) {
     Json problem{{"title", std::move(title)}};
     if (!detail.empty()) problem["detail"] = std::move(detail);
-    return tl::unexpected<Failure>(Failure{.exit = exit, .problem = std::move(problem)});
+    return {.exit = exit, .problem = std::move(problem)};
+}
+
+tl::unexpected<Failure> fail(ExitCode exit, std::string title, std::string detail) {
+    return tl::unexpected(failureWith(exit, std::move(title), std::move(detail)));
 }
 
 Failure failureOf(int status, std::string_view body) {

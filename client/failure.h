@@ -23,6 +23,9 @@ using Outcome = tl::expected<T, Failure>;
 [[nodiscard]] tl::unexpected<Failure> fail(ExitCode exit, std::string title,
                                            std::string detail = {});
 
+/// The same, not to be returned at once.
+[[nodiscard]] Failure failureWith(ExitCode exit, std::string title, std::string detail = {});
+
 /// The failure behind an HTTP answer.
 /// @param body  application/problem+json, or anything: then the status speaks for itself
 [[nodiscard]] Failure failureOf(int status, std::string_view body);

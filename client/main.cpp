@@ -2,17 +2,36 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <iostream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "client/command_line.h"
 
 namespace {
 
-int terminalWidth() {
+/// Columns and lines of the terminal behind stderr.
+void measureTerminal(rivage::client::Console& console) {
     winsize size{};
-    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+    if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return;
+    console.width = size.ws_col;
+    console.height = size.ws_row;
+}
+
+bool isSet(const char* name) {
+    const char* const value = std::getenv(name);
+    return value != nullptr && *value != '\0';
+}
+
+bool isDumb() {
+    const char* const terminal = std::getenv("TERM");
+    return terminal == nullptr || std::string_view(terminal) == "dumb";
+}
+
+bool showsColor(const std::string& wish, bool terminal) {
+    return wish == "always" || (wish == "auto" && terminal && !isSet("NO_COLOR"));
 }
 
 }  // namespace
@@ -20,15 +39,14 @@ int terminalWidth() {
 int main(int argc, char** argv) {
     using namespace rivage::client;
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);  // `ulimit -f` is an error of writing, not of the program
     std::ios::sync_with_stdio(false);
-    Console console{std::cin,
-                    std::cout,
-                    std::cerr,
-                    isatty(STDOUT_FILENO) == 1,
-                    isatty(STDERR_FILENO) == 1,
-                    terminalWidth()};
+    Console console{std::cin, std::cout, std::cerr, isatty(STDOUT_FILENO) == 1,
+                    isatty(STDERR_FILENO) == 1 && !isDumb()};
+    measureTerminal(console);
     const auto parsed = parseCommandLine(std::vector<std::string>(argv + 1, argv + argc), console);
     if (!parsed) return static_cast<int>(parsed.error());
+    console.color = showsColor(parsed->color, console.errIsTerminal);
     Interrupt interrupt;
     const SignalWatcher watcher(interrupt);
     return static_cast<int>(runCommand(*parsed, console, interrupt));

@@ -53,10 +53,10 @@ bool isBusy(const httplib::Request& request, const httplib::Response& response) 
 }
 
 Failure timeIsOver() {
-    return fail(ExitCode::busy, "The time is over", "the limit is set by --timeout").value();
+    return failureWith(ExitCode::busy, "The time is over", "the limit is set by --timeout");
 }
 
-Failure notKept() { return fail(ExitCode::notWritten, "The result could not be kept").value(); }
+Failure notKept() { return failureWith(ExitCode::notWritten, "The result could not be kept"); }
 
 /// Sends what comes to the sink if the answer is a success, else into `body`.
 void receiveInto(httplib::Request& request, BodySink* sink, std::string& body, bool& toSink) {
@@ -131,15 +131,13 @@ Failure Transport::failureOf(const Answer& answer) const {
     if (answer.error == httplib::Error::Canceled) return notKept();
     if (Clock::now() >= deadline_) return timeIsOver();
     if (isUntrusted(answer.error))
-        return fail(ExitCode::unreachable, "The certificate of the server is not trusted",
-                    toText(server_.endpoint) + ": " + httplib::to_string(answer.error) +
-                        "; --ca-file names a PEM file of who signed it")
-            .value();
+        return failureWith(ExitCode::unreachable, "The certificate of the server is not trusted",
+                           toText(server_.endpoint) + ": " + httplib::to_string(answer.error) +
+                               "; --ca-file names a PEM file of who signed it");
     const bool absent = couldNotConnect(answer.error);
-    return fail(ExitCode::unreachable,
-                absent ? "No server answers" : "The connection to the server broke",
-                toText(server_.endpoint) + ": " + httplib::to_string(answer.error))
-        .value();
+    return failureWith(ExitCode::unreachable,
+                       absent ? "No server answers" : "The connection to the server broke",
+                       toText(server_.endpoint) + ": " + httplib::to_string(answer.error));
 }
 
 std::optional<Failure> Transport::waitToRetry(const Answer& answer, int tries, Failure failure) {
@@ -147,7 +145,7 @@ std::optional<Failure> Transport::waitToRetry(const Answer& answer, int tries, F
                                           std::chrono::system_clock::now()) +
                                jitter(policy_, tries, random_);
     if (pause >= deadline_ - Clock::now()) return failure;
-    if (!interrupt_.sleep(pause)) return fail(ExitCode::cancelled, "Cancelled").value();
+    if (!interrupt_.sleep(pause)) return failureWith(ExitCode::cancelled, "Cancelled");
     return std::nullopt;
 }
 
