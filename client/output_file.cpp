@@ -108,6 +108,10 @@ Outcome<void> OutputFile::finish() {
     if (error_ == 0 && !temporary_.empty() && fsync(file_) != 0) error_ = errno;
     const bool closed = close(std::exchange(file_, -1)) == 0;
     if (error_ == 0 && !closed) error_ = errno;
+    return writable();
+}
+
+Outcome<void> OutputFile::writable() const {
     if (error_ != 0) return cannotWrite(path_, error_);
     return {};
 }

@@ -23,6 +23,8 @@ public:
 
     /// Appends; false if that failed, and then `commit` fails too.
     bool write(std::string_view bytes);
+    /// @errors notWritten if a write has failed
+    [[nodiscard]] Outcome<void> writable() const;
     /// Drops everything written so far; false if this kind of file cannot.
     bool restart();
     /// @errors notWritten

@@ -38,6 +38,12 @@ Outcome<void> Target::commit() {
     return {};
 }
 
+Failure Target::explained(Failure failure) const {
+    if (failure.exit != ExitCode::notWritten || !file_) return failure;
+    if (auto reason = file_->writable(); !reason) failure.problem = reason.error().problem;
+    return failure;
+}
+
 Outcome<void> makeFolderOf(const std::string& path) {
     const std::filesystem::path folder = std::filesystem::path(path).parent_path();
     std::error_code error;

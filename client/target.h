@@ -21,6 +21,9 @@ public:
     [[nodiscard]] std::uint64_t size() const { return file_ ? file_->size() : buffer_.size(); }
     /// @errors notWritten
     Outcome<void> commit();
+    /// The failure of a download into this target, with the reason of the system if it is this
+    /// target that would not take the bytes.
+    [[nodiscard]] Failure explained(Failure failure) const;
 
 private:
     explicit Target(Console& console) : console_(&console) {}

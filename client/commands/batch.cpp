@@ -29,7 +29,7 @@ Outcome<Converted> convert(Session& session, Transport& transport, const Planned
     const Upload upload{*std::move(bytes), session.invocation.options};
     const ByteStore store = target->store();
     auto conversion = convertGrid(transport, upload, store, watch);
-    if (!conversion) return tl::unexpected(conversion.error());
+    if (!conversion) return tl::unexpected(target->explained(conversion.error()));
     Converted converted{*std::move(conversion), target->size()};
     if (auto committed = target->commit(); !committed) {
         committed.error().job = converted.conversion.job;

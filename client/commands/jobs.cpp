@@ -120,7 +120,7 @@ Outcome<Json> fetch(Session& session, const std::string& id, ProgressBoard& boar
     if (!target) return tl::unexpected(target.error());
     const ByteStore store = target->store();
     if (auto fetched = fetchResult(transport, id, store); !fetched)
-        return tl::unexpected(fetched.error());
+        return tl::unexpected(target->explained(fetched.error()));
     const std::uint64_t size = target->size();
     if (auto committed = target->commit(); !committed) return tl::unexpected(committed.error());
     if (session.invocation.json && place != kStandardStream) {
@@ -153,6 +153,16 @@ ExitCode runJobsWait(Session& session) { return forEachJob(session, wait); }
 
 ExitCode runJobsCancel(Session& session) { return forEachJob(session, cancel); }
 
-ExitCode runJobsFetch(Session& session) { return forEachJob(session, fetch); }
+ExitCode runJobsFetch(Session& session) {
+    const std::string& out = session.invocation.out;
+    std::error_code ignored;
+    const bool folder = out.ends_with('/') || std::filesystem::is_directory(out, ignored);
+    if (session.invocation.inputs.size() > 1 && !out.empty() && !folder)
+        return complain(session.invocation, session.console, {},
+                        failureWith(ExitCode::usage, "Where should the results go",
+                                    "several results need a folder after -o: " + out +
+                                        " is none (a new one ends in /)"));
+    return forEachJob(session, fetch);
+}
 
 }  // namespace rivage::client

@@ -48,7 +48,7 @@ Outcome<std::uint64_t> fetchSample(Session& session, const std::string& name,
     Transport transport = session.connect();
     const auto fetched =
         download(transport, "/v1/samples/" + httplib::encode_uri_component(name), store);
-    if (!fetched) return tl::unexpected(fetched.error());
+    if (!fetched) return tl::unexpected(target->explained(fetched.error()));
     const std::uint64_t size = target->size();
     if (auto committed = target->commit(); !committed) return tl::unexpected(committed.error());
     return size;

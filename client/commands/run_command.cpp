@@ -70,10 +70,9 @@ ExitCode runAt(Invocation invocation, Console& console, Interrupt& interrupt,
 
 ExitCode runCommand(const Invocation& invocation, Console& console, Interrupt& interrupt) {
     if (needsJobs(invocation.command) && invocation.server.empty())
-        return complain(
-            invocation, console, {},
-            fail(ExitCode::usage, "Jobs are at a server", "name it with --server or RIVAGE_SERVER")
-                .value());
+        return complain(invocation, console, {},
+                        failureWith(ExitCode::usage, "Jobs are at a server",
+                                    "name it with --server or RIVAGE_SERVER"));
     RegularizePlan plan;
     if (invocation.command == Command::regularize) {
         auto planned = planRegularize(invocation);

@@ -1,49 +1,15 @@
 #include <doctest/doctest.h>
 
 #include <chrono>
-#include <fstream>
-#include <sstream>
 #include <thread>
 
-#include "client/command_line.h"
 #include "tests/client/fake_server.h"
+#include "tests/client/run.h"
 
 namespace rivage::client {
 namespace {
 
 using namespace std::chrono_literals;
-
-/// One run of the program inside this process.
-struct Run {
-    std::istringstream in;
-    std::ostringstream out;
-    std::ostringstream err;
-    ExitCode code = ExitCode::ok;
-    Interrupt interrupt;
-
-    explicit Run(std::string input = {}) : in(std::move(input)) {}
-
-    Run& operator()(const std::vector<std::string>& arguments) {
-        Console console{in, out, err};
-        auto invocation = parseCommandLine(arguments, console);
-        if (!invocation) {
-            code = invocation.error();
-            return *this;
-        }
-        invocation->retry = {.base = 1ms, .cap = 5ms};
-        code = runCommand(*invocation, console, interrupt);
-        return *this;
-    }
-};
-
-std::string contentOf(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void writeFile(const std::string& path, const std::string& bytes) {
-    std::ofstream(path, std::ios::binary) << bytes;
-}
 
 void answerProblem(httplib::Response& response, int status, const std::string& members) {
     response.status = status;
