@@ -24,6 +24,7 @@ struct ManPageText {
     std::vector<ManEntry> exitStatus;   ///< a code, what it means
     std::vector<ManEntry> examples;     ///< `term` is the command, `text` a sentence before it
     std::vector<std::string> seeAlso;   ///< "rivage-server(1)"
+    std::string date;                   ///< "2026-01-31", of the release
 };
 
 enum class Shell : std::uint8_t { bash, zsh, fish };
