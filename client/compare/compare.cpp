@@ -20,8 +20,10 @@ using proto::Json;
 
 constexpr double kSameVoxels = 0.01;     ///< nobody sees less; a Draco file moves vertices by 0.007
 constexpr double kSameDiagonals = 1e-4;  ///< where nothing tells how long a voxel is
+constexpr double kSameColors = 0.001;    ///< a share: borders of colours move a little
 constexpr double kSameDegrees = 10;      ///< in the mean; more is a surface that is turned
 constexpr double kTieDiagonals = 1e-7;   ///< the precision of float positions
+constexpr double kZeroDiagonals = 1e-13;  ///< the rounding of the search
 
 /// A file with what has been measured of it.
 struct Side {
@@ -158,6 +160,7 @@ Ways measureWays(const Side& a, const Side& b, const CompareSettings& settings) 
     const unsigned machine = std::max(1U, std::thread::hardware_concurrency());
     const DistanceSettings how{.samples = std::max<std::size_t>(1, settings.samples),
                                .tolerance = kTieDiagonals * diagonal,
+                               .zero = kZeroDiagonals * diagonal,
                                .threads = settings.threads == 0 ? machine : settings.threads};
     ways.there = measureDistance(a.surface, b.surface, ways.pairs, how);
     std::vector<PartPair> turned;
@@ -220,9 +223,9 @@ Json verdictOf(const Json& json, const Side& a, bool sameBytes) {
     std::string text = near && !turned ? "same surface" : "differs";
     text += " (max distance " + lengthText(max);
     if (near && turned) text += ", but its faces point elsewhere";
-    if (json["colors"].is_object() && json["colors"]["different"].get<double>() > 0) {
+    if (json["colors"].is_object() && json["colors"]["different"].get<double>() > kSameColors) {
         char share[64];
-        std::snprintf(share, sizeof share, ", other colours on %.2g %%",
+        std::snprintf(share, sizeof share, ", other colours on %.3g %%",
                       100 * json["colors"]["different"].get<double>());
         text += share;
     }

@@ -11,7 +11,7 @@ namespace {
 
 using proto::Json;
 
-constexpr std::size_t kNameWidth = 24;
+constexpr std::size_t kNameWidth = 28;
 constexpr std::size_t kColumnWidth = 20;
 
 /// Names come from files: what would steer a terminal is shown as '?', a long one is cut.
@@ -50,14 +50,16 @@ std::string line(const std::string& name, const std::string& a, const std::strin
     return text + "\n";
 }
 
-/// "+12.5 %", from A to B; empty where that says nothing.
+/// "+12.5 %" or "x 16.3", from A to B; empty where that says nothing.
 std::string change(const Json& a, const Json& b) {
     if (!a.is_number() || !b.is_number()) return {};
     const double from = a.get<double>();
-    const double to = b.get<double>();
-    if (from == to || !(std::abs(from) > 0)) return {};
+    const double ratio = b.get<double>() / from;
+    if (!(std::abs(from) > 0) || !(std::abs(ratio - 1) >= 0.00005)) return {};
+    const bool large = std::abs(ratio) >= 10;
     char text[64];
-    std::snprintf(text, sizeof text, "%+.3g %%", 100 * (to - from) / from);
+    std::snprintf(text, sizeof text, large ? "x %.3g" : "%+.2f %%",
+                  large ? ratio : 100 * (ratio - 1));
     return text;
 }
 

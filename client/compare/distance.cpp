@@ -106,12 +106,20 @@ struct Pair {
     const TriangleTree& tree;
 };
 
+double distanceOf(const Search& search, const DistanceSettings& settings) {
+    const double distance = std::sqrt(search.distance2);
+    return distance <= settings.zero ? 0 : distance;
+}
+
 double angleTo(const Pair& pair, const SurfacePoint& point, const Search& search) {
     const Vector3d own = areaNormal(cornersOf(pair.a, point.triangle)).normalized();
-    double best = -1;
-    for (const Search::Tie& tie : search.ties)
-        best = std::max(best, own.dot(areaNormal(cornersOf(pair.b, tie.triangle)).normalized()));
-    return kDegrees * std::acos(std::clamp(best, -1.0, 1.0));
+    double best = 180;
+    for (const Search::Tie& tie : search.ties) {
+        const Vector3d other = areaNormal(cornersOf(pair.b, tie.triangle)).normalized();
+        const double angle = std::atan2(own.cross(other).norm(), own.dot(other));
+        best = std::min(best, kDegrees * angle);
+    }
+    return best;
 }
 
 bool hasOtherColor(const Pair& pair, const SurfacePoint& point, const Search& search) {
@@ -136,7 +144,7 @@ void measureSamples(const Pair& pair, const Sampler& sampler, const DistanceSett
             const SurfacePoint point = sampler.point(i, row.samples);
             const std::size_t slot = row.firstSample + i;
             pair.tree.closest(positionOf(pair.a, point), search);
-            out.distances[slot] = std::sqrt(search.distance2);
+            out.distances[slot] = distanceOf(search, settings);
             out.degrees[slot] = angleTo(pair, point, search);
             if (colors) out.otherColor[slot] = hasOtherColor(pair, point, search) ? 1 : 0;
         }
@@ -145,14 +153,14 @@ void measureSamples(const Pair& pair, const Sampler& sampler, const DistanceSett
 
 /// The largest distance of the vertices and the samples, and the first place that has it.
 void findMax(const Pair& pair, const Sampler& sampler, const std::vector<std::uint32_t>& vertices,
-             unsigned threads, DistanceSamples& out) {
+             const DistanceSettings& settings, DistanceSamples& out) {
     DistanceSamples::Row& row = out.rows.back();
     std::vector<double> distances(vertices.size());
-    forBlocks(vertices.size(), threads, [&](std::size_t from, std::size_t to) {
+    forBlocks(vertices.size(), settings.threads, [&](std::size_t from, std::size_t to) {
         Search search;
         for (std::size_t i = from; i < to; ++i) {
             pair.tree.closest(pair.a.positions[vertices[i]].cast<double>(), search);
-            distances[i] = std::sqrt(search.distance2);
+            distances[i] = distanceOf(search, settings);
         }
     });
     const auto vertex = std::max_element(distances.begin(), distances.end());
@@ -183,7 +191,7 @@ DistanceSamples measureDistance(const Surface& a, const Surface& b,
                             .firstSample = out.distances.size(),
                             .samples = std::max<std::size_t>(1, std::llround(share))});
         measureSamples(pair, sampler, settings, out);
-        findMax(pair, sampler, verticesOf(a, triangles), settings.threads, out);
+        findMax(pair, sampler, verticesOf(a, triangles), settings, out);
     }
     return out;
 }

@@ -33,6 +33,7 @@ struct PartPair {
 struct DistanceSettings {
     std::size_t samples = 50'000;  ///< on all parts together
     double tolerance = 1e-9;       ///< a length: places on B that differ by less are as close
+    double zero = 0;               ///< a length: what is below is rounding, and counts as nothing
     unsigned threads = 1;
 };
 
