@@ -100,10 +100,12 @@ TreeOption readOption(const CLI::Option& option) {
     return out;
 }
 
-/// Puts the options of an app into the command; option groups are nameless apps.
+/// Puts the options of an app into the command; option groups are nameless apps, with a --help
+/// that nobody can reach.
 void readOptions(const CLI::App& app, TreeCommand& command) {
     for (const CLI::Option* option : app.get_options()) {
-        if (option->get_group().empty()) continue;
+        const bool unreachable = app.get_name().empty() && option == app.get_help_ptr();
+        if (option->get_group().empty() || unreachable) continue;
         TreeOption read = readOption(*option);
         auto& list = read.names.empty() ? command.positionals : command.options;
         list.push_back(std::move(read));

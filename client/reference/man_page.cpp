@@ -122,12 +122,23 @@ std::string positionalList(const TreeCommand& command) {
     return list;
 }
 
-std::string commandText(const TreeCommand& command) {
+/// The options of a command that are not told once for all commands, as --help is.
+std::vector<TreeOption> ownOptions(const TreeCommand& command, const TreeCommand& root) {
+    std::vector<TreeOption> own = command.options;
+    std::erase_if(own, [&](const TreeOption& option) {
+        return std::any_of(root.options.begin(), root.options.end(), [&](const TreeOption& told) {
+            return told.names == option.names && told.description == option.description;
+        });
+    });
+    return own;
+}
+
+std::string commandText(const TreeCommand& command, const TreeCommand& root) {
     std::string text = ".SS " + pathText(command) + "\n" + usage(command) + "\n";
     if (!command.description.empty()) text += ".PP\n" + plain(oneLine(command.description)) + "\n";
     if (!command.aliases.empty())
         text += ".PP\nAlso: " + bold(joined(command.aliases, ", ")) + "\n";
-    return text + positionalList(command) + optionList(command.options);
+    return text + positionalList(command) + optionList(ownOptions(command, root));
 }
 
 std::string entryList(const char* title, const std::vector<ManEntry>& entries) {
@@ -203,7 +214,7 @@ std::string manPage(const CLI::App& app, const ManPageText& text) {
     page += section("OPTIONS") + positionalList(root) + optionList(root.options);
     if (commands.size() > 1) page += section("COMMANDS");
     for (const TreeCommand* command : commands)
-        if (command != &root) page += commandText(*command);
+        if (command != &root) page += commandText(*command, root);
     return page + entryList("ENVIRONMENT", environmentOf(commands, text.environment)) +
            entryList("FILES", text.files) + entryList("EXIT STATUS", text.exitStatus) +
            examplesText(text.examples) + seeAlsoText(text.seeAlso);

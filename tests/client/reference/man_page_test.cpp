@@ -101,6 +101,15 @@ TEST_SUITE("client/reference") {
         CHECK(text.find("Never shown") == std::string::npos);
     }
 
+    TEST_CASE("manPage: what all commands have is told once") {
+        int status = 0;
+        const std::string text = rendered(pageOf(), status);
+        REQUIRE(status == 0);
+        const std::size_t first = text.find("-h, --help");
+        REQUIRE(first != std::string::npos);
+        CHECK(text.find("-h, --help", first + 1) == std::string::npos);
+    }
+
     TEST_CASE("manPage: man has nothing to complain about" * doctest::skip(!isInstalled("man"))) {
         CHECK(complaints("man --warnings -E UTF-8 -l -Tutf8 -Z", " >/dev/null") == "");
     }

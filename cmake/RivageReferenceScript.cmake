@@ -1,0 +1,10 @@
+# Run at build time by rivage_reference: keeps what a program prints, or nothing if it fails.
+string(REPLACE "|" ";" arguments "${ARGUMENTS}")
+get_filename_component(folder "${OUTPUT}" DIRECTORY)
+file(MAKE_DIRECTORY "${folder}")
+execute_process(COMMAND "${PROGRAM}" ${arguments} OUTPUT_FILE "${OUTPUT}" RESULT_VARIABLE result)
+if(NOT result EQUAL 0)
+    file(REMOVE "${OUTPUT}")
+    list(JOIN arguments " " text)
+    message(FATAL_ERROR "${PROGRAM} ${text} ended with ${result}")
+endif()
