@@ -111,6 +111,12 @@ CommandLine parseCommandLine(const std::vector<std::string>& arguments, Console&
     } catch (const CLI::ParseError& error) {
         return complain(console, complaint(app, arguments, error));
     }
+    // The build prints the reference pages, wherever and for whomever it runs.
+    const Command command = commandOf(app);
+    if (command == Command::completions || command == Command::man) {
+        parsed.invocation.command = command;
+        return std::move(parsed.invocation);
+    }
     if (!applied) return complain(console, describe(applied.error()));
     if (auto known = checkVariables(app); !known) return complain(console, describe(known.error()));
     return finish(app, parsed, *settings, console);

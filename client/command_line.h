@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "client/compare/compare.h"
 #include "client/console.h"
 #include "client/exit_code.h"
 #include "client/interrupt.h"
@@ -25,6 +26,9 @@ enum class Command : std::uint8_t {
     jobsWait,
     jobsCancel,
     jobsFetch,
+    compare,
+    completions,
+    man,
 };
 
 inline constexpr const char* kProgramSentence = "Rivage turns voxel art into smooth surfaces.";
@@ -32,7 +36,7 @@ inline constexpr const char* kProgramSentence = "Rivage turns voxel art into smo
 /// A command line, read and checked.
 struct Invocation {
     Command command = Command::health;
-    std::vector<std::string> inputs;             ///< files, jobs, or the name of the sample
+    std::vector<std::string> inputs;             ///< files, jobs, the name of a sample or a shell
     std::string out;                             ///< empty: not given
     std::vector<proto::OptionText> options;      ///< the conversion options that were given
     std::string server;                          ///< empty: one of our own
@@ -45,6 +49,7 @@ struct Invocation {
     bool watch = false;
     std::string jobState;  ///< empty: any
     std::size_t jobLimit = 20;
+    CompareSettings compare = {};
     std::string color = "auto";
     bool quiet = false;
     bool json = false;

@@ -134,6 +134,40 @@ void addJobCommands(CLI::App& app, Parsed& parsed) {
     addOut(*fetch, parsed, "A file, a folder, or '-' for stdout [ID.glb]");
 }
 
+/// Commands that need no server.
+void addLocalCommands(CLI::App& app, Parsed& parsed) {
+    CLI::App* compare = app.add_subcommand("compare", "Tell how two results differ");
+    compare->add_option("FILE", parsed.invocation.inputs, "Two results: .glb or .obj")
+        ->required()
+        ->expected(2)
+        ->type_name("FILE");
+    compare
+        ->add_option("--max-distance", parsed.invocation.compare.maxDistance,
+                     "End with 6 if the surfaces are further apart, in voxels")
+        ->configurable(false)
+        ->check(CLI::NonNegativeNumber)
+        ->type_name("NUMBER");
+    compare
+        ->add_option("--voxel-size", parsed.invocation.compare.voxelSize,
+                     "Metres [what the reports in the files say]")
+        ->configurable(false)
+        ->check(CLI::PositiveNumber)
+        ->type_name("NUMBER");
+    compare
+        ->add_option("--samples", parsed.invocation.compare.samples,
+                     "Points on each surface, beside all vertices")
+        ->configurable(false)
+        ->check(CLI::Range(0, 10'000'000))
+        ->capture_default_str()
+        ->type_name("NUMBER");
+    CLI::App* completions = app.add_subcommand("completions", "Print a completion script");
+    completions->add_option("SHELL", parsed.invocation.inputs, "For which shell")
+        ->required()
+        ->expected(1)
+        ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+    app.add_subcommand("man", "Print the man page");
+}
+
 void addCommands(CLI::App& app, Parsed& parsed) {
     CLI::App* regularize =
         app.add_subcommand("regularize", "Convert voxel grids into smooth surfaces ('-' is stdin)");
@@ -159,6 +193,7 @@ void addCommands(CLI::App& app, Parsed& parsed) {
     addOut(*sample, parsed, "A file, or '-' for stdout [NAME.vox]")->excludes(list);
 
     addJobCommands(app, parsed);
+    addLocalCommands(app, parsed);
     app.add_subcommand("options", "List the conversion options of the server");
     app.add_subcommand("health", "Ask whether the server takes work");
 }
@@ -171,12 +206,19 @@ std::string flagName(std::string name) {
 }
 
 Command commandOf(const CLI::App& app) {
-    static const std::map<std::string, Command> kCommands{
-        {"regularize", Command::regularize},  {"inspect", Command::inspect},
-        {"sample", Command::sample},          {"options", Command::options},
-        {"health", Command::health},          {"jobs list", Command::jobsList},
-        {"jobs status", Command::jobsStatus}, {"jobs wait", Command::jobsWait},
-        {"jobs cancel", Command::jobsCancel}, {"jobs fetch", Command::jobsFetch}};
+    static const std::map<std::string, Command> kCommands{{"regularize", Command::regularize},
+                                                          {"inspect", Command::inspect},
+                                                          {"sample", Command::sample},
+                                                          {"options", Command::options},
+                                                          {"health", Command::health},
+                                                          {"jobs list", Command::jobsList},
+                                                          {"jobs status", Command::jobsStatus},
+                                                          {"jobs wait", Command::jobsWait},
+                                                          {"jobs cancel", Command::jobsCancel},
+                                                          {"jobs fetch", Command::jobsFetch},
+                                                          {"compare", Command::compare},
+                                                          {"completions", Command::completions},
+                                                          {"man", Command::man}};
     const CLI::App* command = app.get_subcommands().front();
     std::string name = command->get_name();
     if (!command->get_subcommands().empty())

@@ -2,6 +2,7 @@
 #include <optional>
 #include <thread>
 
+#include "client/commands/local.h"
 #include "client/commands/regularize.h"
 #include "client/local_server.h"
 
@@ -27,6 +28,9 @@ ExitCode dispatch(Session& session, const RegularizePlan& plan) {
         case Command::jobsWait: return runJobsWait(session);
         case Command::jobsCancel: return runJobsCancel(session);
         case Command::jobsFetch: return runJobsFetch(session);
+        case Command::compare:
+        case Command::completions:
+        case Command::man: break;  // need no server
     }
     return ExitCode::usage;
 }
@@ -69,6 +73,9 @@ ExitCode runAt(Invocation invocation, Console& console, Interrupt& interrupt,
 }  // namespace
 
 ExitCode runCommand(const Invocation& invocation, Console& console, Interrupt& interrupt) {
+    if (invocation.command == Command::compare) return runCompare(invocation, console);
+    if (invocation.command == Command::completions) return runCompletions(invocation, console);
+    if (invocation.command == Command::man) return runMan(console);
     if (needsJobs(invocation.command) && invocation.server.empty())
         return complain(invocation, console, {},
                         failureWith(ExitCode::usage, "Jobs are at a server",

@@ -1,0 +1,50 @@
+#include <CLI/App.hpp>
+
+#include "client/command_tree.h"
+#include "client/commands/local.h"
+#include "client/commands/session.h"
+#include "client/compare/compare.h"
+#include "client/manual.h"
+#include "client/reference/reference.h"
+
+namespace rivage::client {
+namespace {
+
+/// Calls `write` with the description of the whole command line.
+template <typename Write>
+ExitCode withTree(Console& console, Write write) {
+    CLI::App app(kProgramSentence, "rivage");
+    Parsed unused;
+    describeCommandLine(app, unused);
+    console.out << write(app) << std::flush;
+    return console.out ? ExitCode::ok : ExitCode::notWritten;
+}
+
+}  // namespace
+
+ExitCode runCompare(const Invocation& invocation, Console& console) {
+    CompareSettings settings = invocation.compare;
+    settings.nameA = invocation.inputs[0];
+    settings.nameB = invocation.inputs[1];
+    const auto a = readInput(settings.nameA, console);
+    if (!a) return complain(invocation, console, {}, a.error());
+    const auto b = readInput(settings.nameB, console);
+    if (!b) return complain(invocation, console, {}, b.error());
+    const auto comparison = compareAssets(*a, *b, settings);
+    if (!comparison) return complain(invocation, console, {}, comparison.error());
+    console.out << (invocation.json ? proto::writeJson(*comparison) + "\n"
+                                    : comparisonTable(*comparison))
+                << std::flush;
+    return console.out ? exitOf(*comparison) : ExitCode::notWritten;
+}
+
+ExitCode runCompletions(const Invocation& invocation, Console& console) {
+    const auto shell = shellOf(invocation.inputs.front());
+    return withTree(console, [&](const CLI::App& app) { return completionScript(app, *shell); });
+}
+
+ExitCode runMan(Console& console) {
+    return withTree(console, [](const CLI::App& app) { return manPage(app, manualText()); });
+}
+
+}  // namespace rivage::client
