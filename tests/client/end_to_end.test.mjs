@@ -1,61 +1,11 @@
-// The real client and server on real sockets. RIVAGE_BIN names the folder of the programs.
+// The real client and server on real sockets.
 import assert from 'node:assert/strict';
-import {spawn} from 'node:child_process';
-import {mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
-import {tmpdir} from 'node:os';
+import {cpSync, existsSync, mkdirSync, readdirSync, readFileSync, renameSync, rmSync, statSync,
+  writeFileSync} from 'node:fs';
 import {join} from 'node:path';
 import test from 'node:test';
 import {setTimeout as sleep} from 'node:timers/promises';
-
-const bin = process.env.RIVAGE_BIN;
-assert.ok(bin, 'RIVAGE_BIN names the folder of the programs');
-
-// A folder for one test, which is also where the programs put their temporary files.
-function makeFolder(t) {
-  const folder = mkdtempSync(join(tmpdir(), 'rivage-end-'));
-  t.after(() => rmSync(folder, {recursive: true, force: true}));
-  return folder;
-}
-
-function start(program, args, {folder, input} = {}) {
-  const env = {...process.env, TMPDIR: folder};
-  delete env.RIVAGE_SERVER;
-  const child = spawn(join(bin, program), args, {cwd: folder, env});
-  const chunks = {stdout: [], stderr: []};
-  for (const name of ['stdout', 'stderr']) child[name].on('data', (data) => chunks[name].push(data));
-  const ended = new Promise((resolve) => child.on('close', (code, signal) => resolve({
-    code, signal,
-    stdout: Buffer.concat(chunks.stdout),
-    stderr: Buffer.concat(chunks.stderr).toString(),
-  })));
-  child.stdin.on('error', () => {});
-  child.stdin.end(input);
-  return {child, ended, said: () => Buffer.concat(chunks.stdout).toString()};
-}
-
-const rivage = (args, options) => start('rivage', args, options).ended;
-
-function assertGlb(bytes) {
-  assert.equal(bytes.subarray(0, 4).toString(), 'glTF');
-  assert.equal(bytes.readUInt32LE(4), 2);
-  assert.equal(bytes.readUInt32LE(8), bytes.length);
-}
-
-// A server on a free loopback port.
-async function startServer(t, folder, args = []) {
-  const server = start('rivage-server', ['--listen', '127.0.0.1:0', '--admin-listen', 'off', ...args],
-    {folder});
-  t.after(async () => {
-    server.child.kill('SIGTERM');
-    await server.ended;
-  });
-  for (let i = 0; i < 200; ++i) {
-    const found = /listening on (http:\/\/\S+)/.exec(server.said());
-    if (found) return {...server, url: found[1]};
-    await sleep(50);
-  }
-  throw new Error('the server did not start');
-}
+import {assertGlb, makeFolder, rivage, slow, start, startServer, until} from './programs.mjs';
 
 test('with no server named, one of its own converts a sample, and nothing is left behind', async (t) => {
   const folder = makeFolder(t);
@@ -117,10 +67,7 @@ test('a broken grid is refused with the problem of the server', async (t) => {
 test('Ctrl-C cancels the job, removes the private server and leaves no file', async (t) => {
   const folder = makeFolder(t);
   assert.equal((await rivage(['sample', 'island'], {folder})).code, 0);
-  // Slow on purpose: a tolerance that gradient descent reaches only after very many steps.
-  const slow = ['regularize', 'island.vox', '--solver', 'gradient-descent', '--displacement-limit',
-    'none', '--alpha', '1e-6', '--tolerance', '1e-14', '--max-iterations', '1000000'];
-  const run = start('rivage', slow, {folder});
+  const run = start('rivage', ['regularize', 'island.vox', ...slow], {folder});
   await sleep(1500);
   assert.equal(run.child.exitCode, null, 'the job is still under way');
   const since = Date.now();
@@ -135,9 +82,8 @@ test('Ctrl-C cancels the job at a named server, which stays', async (t) => {
   const folder = makeFolder(t);
   const {url} = await startServer(t, folder);
   assert.equal((await rivage(['sample', 'island', '--server', url], {folder})).code, 0);
-  const run = start('rivage', ['regularize', 'island.vox', '--server', url, '--solver',
-    'gradient-descent', '--displacement-limit', 'none', '--alpha', '1e-6', '--tolerance', '1e-14',
-    '--max-iterations', '1000000'], {folder});
+  const run = start('rivage', ['regularize', 'island.vox', '--server', url, ...slow],
+    {folder});
   let jobs = [];
   for (let i = 0; i < 100 && jobs[0]?.state !== 'running'; ++i) {
     await sleep(50);
@@ -153,4 +99,105 @@ test('Ctrl-C cancels the job at a named server, which stays', async (t) => {
     state = (await (await fetch(`${url}/v1/jobs/${jobs[0].id}`)).json()).state;
   }
   assert.equal(state, 'canceled');
+});
+
+// A tree of samples: models/one.vox, models/deep/two.vox ...
+async function makeModels(folder, names = ['sphere', 'torus', 'voxel']) {
+  mkdirSync(join(folder, 'models/deep'), {recursive: true});
+  for (const [i, name] of names.entries()) {
+    const made = await rivage(['sample', name, '-q', '-o',
+      `models/${i % 2 ? 'deep/' : ''}${name}.vox`], {folder});
+    assert.equal(made.code, 0, made.stderr);
+  }
+}
+
+test('a folder is converted with one command, and again only what is newer', async (t) => {
+  const folder = makeFolder(t);
+  await makeModels(folder);
+  const done = await rivage(['regularize', 'models', '-o', 'out'], {folder});
+  assert.equal(done.code, 0, done.stderr);
+  assert.match(done.stderr, /^3 converted; [\d.]+ kB in [\d.]+ s$/m);
+  for (const name of ['sphere', 'deep/torus', 'voxel'])
+    assertGlb(readFileSync(join(folder, 'out', `${name}.glb`)));
+  writeFileSync(join(folder, 'models/broken.vox'), 'no grid');
+  const again = await rivage(['regularize', 'models/**/*.vox', '-o', 'out', '--if-newer', '--json'],
+    {folder});
+  assert.equal(again.code, 3, again.stderr);
+  assert.match(again.stderr, /^0 converted, 1 failed, 3 up to date/m);
+  const lines = again.stdout.toString().trim().split('\n').map((line) => JSON.parse(line));
+  assert.equal(lines.length, 4);
+  assert.equal(lines.filter(({run}) => run.skipped).length, 3);
+  assert.equal(lines.find(({run}) => run.exit === 3).run.input, 'models/broken.vox');
+  assert.ok(!existsSync(join(folder, 'out/broken.glb')));
+  assert.deepEqual(readdirSync(folder).sort(), ['models', 'out'], 'nothing else is left behind');
+});
+
+test('--watch converts what an editor writes, and lives through a restart of the server', async (t) => {
+  const folder = makeFolder(t);
+  await makeModels(folder, ['sphere', 'voxel']);
+  const first = await startServer(t, folder);
+  const port = new URL(first.url).port;
+  const watch = start('rivage', ['regularize', 'models', '-o', 'out', '--watch', '--server',
+    first.url], {folder});
+  const lines = () => watch.said('stderr').split('\n').filter((line) => line.includes('->'));
+  await until(() => lines().length === 2, 'both are converted');
+  cpSync(join(folder, 'models/sphere.vox'), join(folder, 'models/.new'));
+  renameSync(join(folder, 'models/.new'), join(folder, 'models/deep/voxel.vox'));
+  await until(() => lines().length === 3, 'the renamed one is converted');
+  assert.equal(statSync(join(folder, 'out/deep/voxel.glb')).size,
+    statSync(join(folder, 'out/sphere.glb')).size);
+
+  first.child.kill('SIGTERM');
+  await first.ended;
+  cpSync(join(folder, 'models/sphere.vox'), join(folder, 'models/late.vox'));
+  await sleep(1000);
+  await startServer(t, folder, ['--listen', `127.0.0.1:${port}`]);
+  await until(() => existsSync(join(folder, 'out/late.glb')), 'it asks again', 30);
+  rmSync(join(folder, 'models/late.vox'));
+  await sleep(300);
+  watch.child.kill('SIGINT');
+  assert.equal((await watch.ended).code, 0);
+});
+
+test('settings: the file, the environment, and a private server that hears of neither', async (t) => {
+  const folder = makeFolder(t);
+  await makeModels(folder, ['voxel']);
+  mkdirSync(join(folder, 'rivage'));
+  writeFileSync(join(folder, 'rivage/config'), '# mine\npreset = architectural\njson = true\n');
+  const env = {RIVAGE_CONFIG: '', XDG_CONFIG_HOME: folder, RIVAGE_WORKERS: 'many',
+    RIVAGE_API_KEYS: '/nowhere', RIVAGE_CLIENT_TIMEOUT: '60'};
+  const run = await rivage(['regularize', 'models', '-o', 'out'], {folder, env});
+  assert.equal(run.code, 0, run.stderr);
+  assert.equal(JSON.parse(run.stdout).options.preset, 'architectural');
+  const over = await rivage(['regularize', 'models', '-o', 'out'],
+    {folder, env: {...env, RIVAGE_CLIENT_PRESET: 'paper'}});
+  assert.equal(JSON.parse(over.stdout).options.preset, 'paper');
+  writeFileSync(join(folder, 'rivage/config'), 'presett = architectural\n');
+  const wrong = await rivage(['health'], {folder, env});
+  assert.equal(wrong.code, 2);
+  assert.match(wrong.stderr, /rivage\/config:1: there is no setting "presett"; did you mean preset/);
+});
+
+test('compare, completions and man need no server', async (t) => {
+  const folder = makeFolder(t);
+  await makeModels(folder, ['sphere', 'torus']);
+  assert.equal((await rivage(['regularize', 'models', '-o', 'out'], {folder})).code, 0);
+  const compare = (...args) => rivage(['compare', 'out/sphere.glb', ...args],
+    {folder, env: {RIVAGE_SERVER: 'http://127.0.0.1:1'}});
+  const same = await compare('out/sphere.glb', '--max-distance', '0');
+  assert.equal(same.code, 0, same.stderr);
+  assert.match(same.stdout.toString(), /same bytes/);
+  const different = await compare('out/deep/torus.glb', '--max-distance', '1');
+  assert.equal(different.code, 6, different.stderr);
+  assert.equal((await compare('models/sphere.vox')).code, 3);
+  assert.equal((await compare('nowhere.glb')).code, 2);
+  for (const shell of ['bash', 'zsh', 'fish']) {
+    const script = await rivage(['completions', shell], {folder});
+    assert.equal(script.code, 0);
+    assert.match(script.stdout.toString(), /regularize/);
+  }
+  assert.equal((await rivage(['completions', 'tcsh'], {folder})).code, 2);
+  const page = await rivage(['man'], {folder, env: {RIVAGE_CLIENT_NONSENSE: '1'}});
+  assert.equal(page.code, 0);
+  assert.match(page.stdout.toString(), /RIVAGE_CLIENT_PRESET/);
 });
