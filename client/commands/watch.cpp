@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include "client/commands/batch.h"
 #include "client/commands/regularize.h"
@@ -36,6 +37,7 @@ public:
             if (auto watched = watchFolders(plan); !watched) return say(watched.error());
             const bool again = convertChanged(plan);
             if (session_.interrupt.requested()) return busy_ ? ExitCode::cancelled : ExitCode::ok;
+            sayThatItWaits();
             folders_.wait(session_.interrupt, again ? kAskAgain : kNoReason);
             if (session_.interrupt.requested()) return ExitCode::ok;
             auto next = planRegularize(session_.invocation);
@@ -95,6 +97,11 @@ private:
         return any;
     }
 
+    void sayThatItWaits() {
+        if (session_.invocation.quiet || std::exchange(saidSo_, true)) return;
+        session_.console.err << "watching for changes; Ctrl-C ends it\n" << std::flush;
+    }
+
     ExitCode say(const Failure& failure) {
         return complain(session_.invocation, session_.console, {}, failure);
     }
@@ -103,7 +110,8 @@ private:
     FolderWatch folders_;
     std::map<std::string, std::optional<Print>> prints_;
     bool complete_ = false;  ///< every file was looked at once
-    bool busy_ = false;      ///< the stop broke off a conversion
+    bool saidSo_ = false;
+    bool busy_ = false;  ///< the stop broke off a conversion
 };
 
 }  // namespace

@@ -60,7 +60,7 @@ TEST_CASE("transport: a broken download begins again, an upload only with a key"
         const bool whole = ++calls == 2;
         response.set_content_provider(
             6, "text/plain", [whole](std::size_t offset, std::size_t, httplib::DataSink& sink) {
-                sink.write(whole ? "abcdef" + offset : "abc", whole ? 6 - offset : 3);
+                sink.write(whole ? &"abcdef"[offset] : "abc", whole ? 6 - offset : 3);
                 return whole;
             });
     };
