@@ -299,8 +299,7 @@ void Carrier::sweep(TimePoint now) {
         Slot& slot = *slots_[i];
         if (slot.exchange == nullptr) continue;
         const auto age = now - slot.exchange->begun;
-        const bool connecting =
-            slot.stage == Stage::connecting || slot.stage == Stage::handshake;
+        const bool connecting = slot.stage == Stage::connecting || slot.stage == Stage::handshake;
         if (connecting && age > limits_.connectTimeout)
             end(slot, Fault::connectTimeout);
         else if (age > limits_.timeout)
@@ -318,8 +317,8 @@ void Carrier::sweep(TimePoint now) {
 void Carrier::setTimer(TimePoint until) {
     if (until == armed_) return;
     armed_ = until;
-    const auto count = std::chrono::duration_cast<std::chrono::nanoseconds>(
-        until.time_since_epoch());
+    const auto count =
+        std::chrono::duration_cast<std::chrono::nanoseconds>(until.time_since_epoch());
     itimerspec spec{};
     spec.it_value.tv_sec = count.count() / 1'000'000'000;
     spec.it_value.tv_nsec = count.count() % 1'000'000'000;

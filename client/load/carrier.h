@@ -50,7 +50,7 @@ private:
         std::uint32_t interest = 0;
         std::size_t sent = 0;  ///< of head and body
         Exchange* exchange = nullptr;
-        TimePoint paced;       ///< when a slow client moves again
+        TimePoint paced;  ///< when a slow client moves again
         std::size_t allowance = 0;
         std::uint64_t epoch = 0;  ///< counts the exchanges that have ended
     };

@@ -43,8 +43,8 @@ struct Exchange {
     TimePoint written;    ///< the last byte of the request has left
     TimePoint firstByte;  ///< of the answer
     TimePoint ended;
-    bool reused = false;    ///< the connection was there
-    bool retried = false;   ///< the connection that was there had just been closed by the server
+    bool reused = false;   ///< the connection was there
+    bool retried = false;  ///< the connection that was there had just been closed by the server
     Fault fault = Fault::none;
     ResponseParser answer;
 };

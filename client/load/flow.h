@@ -60,9 +60,9 @@ public:
     const int entry;  ///< its index
     const FlowDraw draw;
     TimePoint planned;
-    TimePoint sentAt;     ///< of the first exchange
-    TimePoint standing;   ///< when its connection stood
-    std::size_t slot = 0;           ///< of the host
+    TimePoint sentAt;              ///< of the first exchange
+    TimePoint standing;            ///< when its connection stood
+    std::size_t slot = 0;          ///< of the host
     std::uint64_t generation = 0;  ///< of the host: which flow has the slot
     Ending ending = Ending::failed;
     std::string error;  ///< its class; empty if there is none

@@ -16,6 +16,8 @@ using namespace std::chrono_literals;
 
 /// So many sends may be behind before answers are looked at again.
 constexpr int kBurst = 64;
+/// One round of waiting for the exact moment; what is longer was somebody else's turn.
+constexpr auto kLongestSpin = 5us;
 /// A closed loop waits so long before it asks again a server that it could not reach.
 constexpr auto kReconnectPause = 50ms;
 
@@ -117,7 +119,8 @@ bool Generator::step(bool stopped) {
         giveUp();
         return false;
     }
-    if (!carrier_.poll(std::min(nextDue(), now + 100ms))) spun_ += Clock::now() - now;
+    if (!carrier_.poll(std::min(nextDue(), now + 100ms)))
+        spun_ += std::min<std::chrono::nanoseconds>(Clock::now() - now, kLongestSpin);
     return true;
 }
 
@@ -167,8 +170,8 @@ FlowDraw Generator::drawFlow(const MixEntry& entry) {
     draw.verify = chance(plan_.verify) && !draw.slow;
     const double fate = std::uniform_real_distribution<double>(0, 1)(random_);
     draw.abandoned = entry.mode == Mode::job && fate < entry.abandoned;
-    draw.cancelled = entry.mode == Mode::job && !draw.abandoned &&
-                     fate < entry.abandoned + entry.cancelled;
+    draw.cancelled =
+        entry.mode == Mode::job && !draw.abandoned && fate < entry.abandoned + entry.cancelled;
     const bool aborts = chance(mix.aborts);
     std::uniform_int_distribution<std::int64_t> within(0, mix.abortAfter.count());
     const std::chrono::milliseconds delay(within(random_));
@@ -202,9 +205,7 @@ void Generator::breakOff(Flow& flow) { carrier_.abort(flow); }
 void Generator::grown(Exchange& exchange) { static_cast<Flow&>(exchange).onGrown(); }
 void Generator::ended(Exchange& exchange) { static_cast<Flow&>(exchange).onEnded(); }
 
-void Generator::wake(Flow& flow, TimePoint at) {
-    wakes_.push({at, flow.slot, flow.generation});
-}
+void Generator::wake(Flow& flow, TimePoint at) { wakes_.push({at, flow.slot, flow.generation}); }
 
 void Generator::runWakes(TimePoint now) {
     while (!wakes_.empty() && wakes_.top().at <= now) {
@@ -320,9 +321,8 @@ void Generator::rollSecond(TimePoint now) {
         bytesBefore_ = carrier_.bytesIn();
         return;
     }
-    const auto index =
-        static_cast<std::size_t>(std::chrono::duration_cast<std::chrono::seconds>(now - measureFrom_)
-                                     .count());
+    const auto index = static_cast<std::size_t>(
+        std::chrono::duration_cast<std::chrono::seconds>(now - measureFrom_).count());
     if (index == secondIndex_) return;
     second_.bytesIn = carrier_.bytesIn() - bytesBefore_;
     bytesBefore_ = carrier_.bytesIn();

@@ -96,9 +96,14 @@ void Histogram::add(const std::vector<Bucket>& buckets) {
 proto::Json Histogram::toJson() const {
     proto::Json counts = proto::Json::array();
     for (const auto& [index, times] : buckets()) counts.push_back({index, times});
-    return {{"unit", "us"},   {"significant_digits", 3}, {"sub_buckets", kSubBuckets},
-            {"count", count_}, {"min", min()},            {"max", max_},
-            {"sum", sum_},    {"counts", std::move(counts)}};
+    return {{"unit", "us"},
+            {"significant_digits", 3},
+            {"sub_buckets", kSubBuckets},
+            {"count", count_},
+            {"min", min()},
+            {"max", max_},
+            {"sum", sum_},
+            {"counts", std::move(counts)}};
 }
 
 std::string Histogram::toHgrm() const {

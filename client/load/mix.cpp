@@ -54,8 +54,7 @@ public:
         member(name, [&](const Json& json, const std::string&) {
             std::string list;
             for (const auto& [one, meaning] : words) list += (list.empty() ? "" : ", ") + one;
-            const auto found =
-                json.is_string() ? words.find(json.get<std::string>()) : words.end();
+            const auto found = json.is_string() ? words.find(json.get<std::string>()) : words.end();
             if (found == words.end()) return refuse("/" + name, "expected one of " + list);
             value = found->second;
         });
@@ -103,13 +102,13 @@ void readOptions(const Json& json, const std::string& pointer, MixEntry& entry,
     failure = fail(ExitCode::usage, "The mix cannot be used", valid.error().message).value();
     const std::string& field = valid.error().field;
     const std::size_t slash = field.rfind('/');
-    failure->problem["field"] =
-        pointer + (slash == std::string::npos ? "" : field.substr(slash));
+    failure->problem["field"] = pointer + (slash == std::string::npos ? "" : field.substr(slash));
 }
 
 void readJobMembers(ObjectReader& reader, MixEntry& entry) {
-    reader.word<Follow>("follow", entry.follow,
-                        {{"events", Follow::events}, {"poll", Follow::poll}, {"wait", Follow::wait}});
+    reader.word<Follow>(
+        "follow", entry.follow,
+        {{"events", Follow::events}, {"poll", Follow::poll}, {"wait", Follow::wait}});
     reader.time("poll_every", entry.pollEvery);
     reader.number("abandoned", entry.abandoned, 0, 1);
     reader.number("cancelled", entry.cancelled, 0, 1);
@@ -118,8 +117,7 @@ void readJobMembers(ObjectReader& reader, MixEntry& entry) {
         reader.refuse("/cancelled", "abandoned and cancelled are together more than 1");
 }
 
-MixEntry readEntry(const Json& json, const std::string& pointer,
-                   std::optional<Failure>& failure) {
+MixEntry readEntry(const Json& json, const std::string& pointer, std::optional<Failure>& failure) {
     MixEntry entry;
     ObjectReader reader(json, pointer, failure);
     reader.text("name", entry.name);
@@ -173,8 +171,7 @@ void readThresholds(const Json& json, const std::string& pointer, Mix& mix,
     for (const auto& [name, value] : json.items()) {
         Threshold threshold{name};
         if (name == "max" || readPercentile(name)) {
-            const auto time =
-                value.is_string() ? readTime(value.get<std::string>()) : std::nullopt;
+            const auto time = value.is_string() ? readTime(value.get<std::string>()) : std::nullopt;
             if (!time) return reader.refuse("/" + name, "expected a time such as \"500ms\"");
             threshold.limit = static_cast<double>(*time);
         } else {

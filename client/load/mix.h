@@ -36,8 +36,8 @@ struct MixEntry {
     std::string path;                        ///< of a plain GET
     Follow follow = Follow::events;
     std::chrono::milliseconds pollEvery{100};
-    double abandoned = 0;  ///< fraction of jobs whose client never comes back
-    double cancelled = 0;  ///< fraction of jobs that are cancelled ...
+    double abandoned = 0;                        ///< fraction of jobs whose client never comes back
+    double cancelled = 0;                        ///< fraction of jobs that are cancelled ...
     std::chrono::milliseconds cancelAfter{100};  ///< ... so long after they were accepted
 };
 

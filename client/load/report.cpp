@@ -48,8 +48,7 @@ std::vector<std::vector<std::string>> latencyRows(const Tally& tally) {
           std::pair{"service", Measure::service}, std::pair{"refusals", Measure::refused},
           std::pair{"job: submit to result", Measure::jobResult},
           std::pair{"job: first event", Measure::jobFirstEvent},
-          std::pair{"job: cancel", Measure::jobCancel},
-          std::pair{"slow clients", Measure::slow}}) {
+          std::pair{"job: cancel", Measure::jobCancel}, std::pair{"slow clients", Measure::slow}}) {
         const Histogram& histogram = tally[measure];
         const bool optional = measure > Measure::service;
         if (optional && histogram.count() == 0) continue;
@@ -101,7 +100,7 @@ std::string goodputLine(const LoadReport& report) {
 
 std::string healthLine(const LoadResult& result) {
     const GeneratorHealth& health = result.health;
-    return "generator  send lag p99 " + timeText(result.tally[Measure::lag].percentile(99)) +
+    return "generator  send lag p99 " + timeText(result.tally[Measure::lag].valueAt(99)) +
            ", late " + numberText(100 * health.lateShare, 2) + " %, CPU " +
            numberText(100 * health.cpu, 0) + " %, not sent " + std::to_string(health.notSent) +
            (health.valid ? "" : "\nINVALID: " + health.reason) + "\n";
@@ -110,12 +109,11 @@ std::string healthLine(const LoadResult& result) {
 std::string wordsBelow(const LoadReport& report) {
     const Tally& tally = report.result.tally;
     std::string text;
-    const std::string phases =
-        phaseLine(tally, {Measure::connect, Measure::tls, Measure::upload, Measure::wait,
-                          Measure::download});
+    const std::string phases = phaseLine(
+        tally, {Measure::connect, Measure::tls, Measure::upload, Measure::wait, Measure::download});
     if (!phases.empty()) text += "phases (p50 / p99)  " + phases + "\n";
-    const std::string server = phaseLine(
-        tally, {Measure::serverQueue, Measure::serverCompute, Measure::serverOverhead});
+    const std::string server =
+        phaseLine(tally, {Measure::serverQueue, Measure::serverCompute, Measure::serverOverhead});
     if (!server.empty()) text += "server (p50 / p99)  " + server + "\n";
     text += goodputLine(report) + healthLine(report.result);
     for (const Judgement& one : report.judgements)
@@ -158,9 +156,8 @@ std::string reportTable(const LoadReport& report) {
     std::string names;
     for (const std::string& name : report.plan.mix.mix.names())
         names += (names.empty() ? "" : ", ") + name;
-    return names + " at " + toText(report.plan.target.endpoint) + ": " +
-           describeLoad(report.plan) + "\n" + alignedTable(latencyRows(report.result.tally)) +
-           wordsBelow(report);
+    return names + " at " + toText(report.plan.target.endpoint) + ": " + describeLoad(report.plan) +
+           "\n" + alignedTable(latencyRows(report.result.tally)) + wordsBelow(report);
 }
 
 std::string reportMarkdown(const LoadReport& report) {

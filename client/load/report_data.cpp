@@ -35,9 +35,8 @@ Json planJson(const LoadPlan& plan) {
               {"keep_alive", plan.limits.keepAlive},
               {"timeout_ms", plan.limits.timeout.count()}};
     const Mix& mix = plan.mix.mix;
-    json["mix"] = {{"duplicates", mix.duplicates},
-                   {"aborts", mix.aborts},
-                   {"slow_clients", mix.slowClients}};
+    json["mix"] = {
+        {"duplicates", mix.duplicates}, {"aborts", mix.aborts}, {"slow_clients", mix.slowClients}};
     return json;
 }
 

@@ -19,8 +19,7 @@ std::string_view trimmed(std::string_view text) {
 
 std::optional<std::uint64_t> readNumber(std::string_view text, int base) {
     std::uint64_t value = 0;
-    const auto [end, error] =
-        std::from_chars(text.data(), text.data() + text.size(), value, base);
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
     if (text.empty() || error != std::errc() || end != text.data() + text.size())
         return std::nullopt;
     return value;
@@ -48,9 +47,8 @@ std::string_view takeLine(std::string_view& text) {
 }  // namespace
 
 bool sameName(std::string_view a, std::string_view b) {
-    return a.size() == b.size() &&
-           std::equal(a.begin(), a.end(), b.begin(),
-                      [](char x, char y) { return lower(x) == lower(y); });
+    return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(),
+                                              [](char x, char y) { return lower(x) == lower(y); });
 }
 
 void ResponseParser::reset(Keep keep, bool bodiless) {
@@ -199,7 +197,8 @@ void ResponseParser::endLine() {
     } else if (state_ == State::trailer) {
         if (line_.empty()) state_ = State::done;
     } else {
-        const auto size = readNumber(trimmed(std::string_view(line_).substr(0, line_.find(';'))), 16);
+        const auto size =
+            readNumber(trimmed(std::string_view(line_).substr(0, line_.find(';'))), 16);
         left_ = size.value_or(0);
         state_ = !size ? State::malformed : left_ == 0 ? State::trailer : State::chunk;
     }

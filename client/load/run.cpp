@@ -23,8 +23,7 @@ public:
     Crew(const LoadPlan& plan, Series& series, Verifier& verifier) {
         const TimePoint start = Clock::now() + kHeadStart;
         for (int i = 0; i < plan.threads; ++i)
-            generators_.push_back(
-                std::make_unique<Generator>(plan, i, start, series, verifier));
+            generators_.push_back(std::make_unique<Generator>(plan, i, start, series, verifier));
         for (const auto& generator : generators_)
             threads_.emplace_back([this, one = generator.get()] {
                 one->run(stop_);

@@ -26,7 +26,7 @@ struct LoadResult {
     std::vector<Second> seconds;
     double duration = 0;  ///< s, measured
     std::uint64_t connections = 0;
-    std::uint64_t bytesIn = 0;   ///< with the warm-up
+    std::uint64_t bytesIn = 0;  ///< with the warm-up
     std::uint64_t bytesOut = 0;
     std::uint64_t verified = 0;
     std::uint64_t unverified = 0;  ///< drawn, but there was no time to look

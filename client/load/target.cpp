@@ -76,8 +76,7 @@ Outcome<Target> resolveTarget(const Endpoint& endpoint, const std::string& caFil
         return tl::unexpected(found.error());
     }
     if (endpoint.tls)
-        if (const auto added = addTls(target, caFile); !added)
-            return tl::unexpected(added.error());
+        if (const auto added = addTls(target, caFile); !added) return tl::unexpected(added.error());
     return target;
 }
 

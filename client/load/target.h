@@ -15,9 +15,9 @@ struct Target {
     Endpoint endpoint;
     sockaddr_storage address{};
     socklen_t addressSize = 0;
-    std::string host;               ///< the value of the Host field
-    bool local = false;             ///< this machine: loopback, or a Unix socket
-    std::shared_ptr<SSL_CTX> tls;   ///< null: without TLS
+    std::string host;              ///< the value of the Host field
+    bool local = false;            ///< this machine: loopback, or a Unix socket
+    std::shared_ptr<SSL_CTX> tls;  ///< null: without TLS
     [[nodiscard]] const sockaddr* raw() const {
         return reinterpret_cast<const sockaddr*>(&address);
     }

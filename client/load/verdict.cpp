@@ -45,8 +45,7 @@ LoadExit exitOf(const Failure& failure) {
 std::vector<Judgement> judge(const std::vector<Threshold>& thresholds,
                              const std::optional<Slo>& slo, const LoadResult& result) {
     std::vector<Threshold> all = thresholds;
-    if (slo)
-        all.push_back({"p" + numberText(slo->percent, 4), static_cast<double>(slo->limit)});
+    if (slo) all.push_back({"p" + numberText(slo->percent, 4), static_cast<double>(slo->limit)});
     std::vector<Judgement> judgements;
     for (Threshold& threshold : all) {
         Judgement one{std::move(threshold), {}, false};
@@ -61,7 +60,8 @@ std::vector<Judgement> judge(const std::vector<Threshold>& thresholds,
 
 std::string describe(const Judgement& judgement) {
     const auto& [metric, limit] = judgement.threshold;
-    return metric + " = " + (judgement.actual ? valueText(metric, *judgement.actual) : "n/a") +
+    return metric + " = " +
+           (judgement.actual ? valueText(metric, *judgement.actual) : "n/a (too few samples)") +
            (metric == "goodput" ? ", at least " : ", at most ") + valueText(metric, limit);
 }
 

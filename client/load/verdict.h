@@ -34,8 +34,7 @@ struct Judgement {
 
 /// @param slo  judged like a threshold, after the others
 [[nodiscard]] std::vector<Judgement> judge(const std::vector<Threshold>& thresholds,
-                                           const std::optional<Slo>& slo,
-                                           const LoadResult& result);
+                                           const std::optional<Slo>& slo, const LoadResult& result);
 
 /// "p99 = 31.2 ms, at most 500 ms".
 [[nodiscard]] std::string describe(const Judgement& judgement);

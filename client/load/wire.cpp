@@ -28,8 +28,7 @@ IoResult Wire::connect(const Target& target) {
     fd_ = socket(target.address.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (fd_ < 0) return {Io::failed, 0, errno};
     const int yes = 1;
-    if (!target.endpoint.isUnix())
-        setsockopt(fd_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+    if (!target.endpoint.isUnix()) setsockopt(fd_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     if (target.tls) {
         tls_.reset(SSL_new(target.tls.get()));
         SSL_set_fd(tls_.get(), fd_);

@@ -1,0 +1,273 @@
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include "client/load/command_line.h"
+#include "client/load/environment.h"
+#include "client/load/output_folder.h"
+#include "client/load/plot.h"
+#include "client/load/report.h"
+#include "client/load/search.h"
+#include "client/load/stub_server.h"
+
+namespace rivage::client::load {
+namespace {
+
+/// Everything that is known before the first request.
+struct Setup {
+    LoadPlan plan;
+    ServerAccess server;
+    std::optional<ServerAccess> admin;
+    std::optional<Slo> slo;
+    proto::Json environment;
+    proto::Json version;
+};
+
+LoadExit complain(Console& console, const Failure& failure) {
+    console.err << "rivage-load: " << describe(failure) << "\n";
+    return exitOf(failure);
+}
+
+Outcome<std::string> readText(const std::string& path) {
+    std::ifstream file(path);
+    std::ostringstream text;
+    if (file) text << file.rdbuf();
+    if (!file) return fail(ExitCode::usage, proto::inQuotes(path) + " cannot be read");
+    return text.str();
+}
+
+/// The key of the file, else that of the environment, else none.
+Outcome<std::string> apiKeyOf(const std::string& file) {
+    if (!file.empty()) return readApiKey(file);
+    const char* key = std::getenv("RIVAGE_API_KEY");
+    if (key == nullptr || *key == '\0') return std::string();
+    if (!isApiKey(key)) return fail(ExitCode::usage, "RIVAGE_API_KEY holds no API key");
+    return std::string(key);
+}
+
+Outcome<ServerAccess> accessOf(const LoadOptions& options, const std::string& url) {
+    const auto endpoint = parseEndpoint(url);
+    if (!endpoint) return tl::unexpected(endpoint.error());
+    auto key = apiKeyOf(options.apiKeyFile);
+    if (!key) return tl::unexpected(key.error());
+    return ServerAccess{*endpoint, *std::move(key), options.caFile};
+}
+
+Outcome<Target> targetOf(const LoadOptions& options, const Endpoint& endpoint) {
+    auto target = resolveTarget(endpoint, options.caFile);
+    if (target && !target->local && !options.ownThis)
+        return fail(ExitCode::usage, "This server is on another machine",
+                    "a load test can look like an attack: say --i-own-this if it may be tested");
+    return target;
+}
+
+Outcome<Mix> mixOf(const LoadOptions& options) {
+    if (!options.get.empty()) {
+        if (options.get.starts_with('/')) return plainMix(options.get);
+        return fail(ExitCode::usage, "The path of --get begins with /");
+    }
+    if (options.mix.empty()) return defaultMix();
+    const auto text = readText(options.mix);
+    if (!text) return tl::unexpected(text.error());
+    return parseMix(*text, options.mix);
+}
+
+Outcome<ArrivalPlan> arrivalsOf(const LoadOptions& options, const Mix& mix) {
+    ArrivalPlan plan{.rate = options.rate, .concurrency = options.concurrency};
+    if (options.rate > 0) {
+        plan.kind = options.poisson ? Arrivals::poisson : Arrivals::constant;
+    } else if (!options.replay.empty()) {
+        plan.kind = Arrivals::replay;
+        const auto text = readText(options.replay);
+        if (!text) return tl::unexpected(text.error());
+        auto trace = parseTrace(*text, mix.names());
+        if (!trace) return tl::unexpected(trace.error());
+        plan.trace = *std::move(trace);
+    }
+    return plan;
+}
+
+Outcome<std::optional<Slo>> sloOf(const LoadOptions& options, const Mix& mix) {
+    if (options.slo.empty()) return mix.slo;
+    const auto slo = readSlo(options.slo);
+    if (slo) return slo;
+    return fail(ExitCode::usage, "--slo cannot be read", "expected a limit such as p99=500ms");
+}
+
+void fillPlan(LoadPlan& plan, const LoadOptions& options) {
+    plan.warmup = std::chrono::duration<double>(options.warmup);
+    plan.duration = std::chrono::duration<double>(options.duration);
+    // A replay has its own times: nothing of it is warm-up.
+    if (plan.arrivals.kind == Arrivals::replay) plan.warmup = std::chrono::duration<double>(0);
+    plan.limits.connections = options.connections;
+    plan.limits.timeout =
+        std::chrono::milliseconds(static_cast<std::int64_t>(1000 * options.timeout));
+    plan.limits.keepAlive = !options.noKeepAlive;
+    plan.verify = options.verify;
+    plan.threads = options.threads;
+    plan.pins = options.pins;
+    plan.maxRequests = options.maxRequests;
+    const bool fromMix = plan.mix.mix.seed && !options.seedGiven;
+    plan.seed = fromMix ? *plan.mix.mix.seed : options.seed;
+}
+
+Outcome<Setup> prepare(const LoadOptions& options, Interrupt& interrupt) {
+    const auto server = accessOf(options, options.server);
+    if (!server) return tl::unexpected(server.error());
+    auto target = targetOf(options, server->endpoint);
+    if (!target) return tl::unexpected(target.error());
+    const auto mix = mixOf(options);
+    if (!mix) return tl::unexpected(mix.error());
+    auto arrivals = arrivalsOf(options, *mix);
+    if (!arrivals) return tl::unexpected(arrivals.error());
+    const auto slo = sloOf(options, *mix);
+    if (!slo) return tl::unexpected(slo.error());
+    std::optional<ServerAccess> admin;
+    if (!options.admin.empty()) {
+        auto access = accessOf(options, options.admin);
+        if (!access) return tl::unexpected(access.error());
+        admin = *std::move(access);
+        admin->apiKey.clear();  // the admin port asks for none
+    }
+    auto version = serverVersion(*server, interrupt);
+    if (!version) return tl::unexpected(version.error());
+    auto prepared = prepareMix(*mix, *server, *target, interrupt);
+    if (!prepared) return tl::unexpected(prepared.error());
+    Setup setup{{*std::move(target), *std::move(prepared), *std::move(arrivals)},
+                *server,
+                std::move(admin),
+                *slo,
+                describeEnvironment(options.typed),
+                *std::move(version)};
+    fillPlan(setup.plan, options);
+    if (*slo) setup.plan.sloLimit = (*slo)->limit;
+    return setup;
+}
+
+/// One line on a terminal that says how the run goes.
+class LiveLine {
+public:
+    LiveLine(Console& console, bool wanted) : console_(console), wanted_(wanted) {}
+    void show(const Series& series) {
+        if (!wanted_ || series.size() == shown_) return;
+        shown_ = series.size();
+        const Second last = series.between(shown_ - 1, shown_);
+        const Histogram latency = last.latency();
+        console_.err << "\r\033[K" << shown_ << " s  " << last.good << "/s good, p50 "
+                     << timeText(latency.valueAt(50)) << ", max " << timeText(latency.max()) << ", "
+                     << last.refused << " refused, " << last.failed << " failed" << std::flush;
+    }
+    void clear() {
+        if (wanted_ && shown_ > 0) console_.err << "\r\033[K" << std::flush;
+    }
+
+private:
+    Console& console_;
+    bool wanted_;
+    std::size_t shown_ = 0;
+};
+
+Outcome<void> writeReport(const std::string& folder, const LoadReport& report) {
+    const Tally& tally = report.result.tally;
+    return writeFolder(folder, {{"report.json", reportJson(report).dump(1) + "\n"},
+                                {"report.md", reportMarkdown(report)},
+                                {"seconds.csv", reportCsv(report)},
+                                {"corrected.hgrm", tally[Measure::corrected].toHgrm()},
+                                {"as_sent.hgrm", tally[Measure::asSent].toHgrm()},
+                                {"latency.svg", drawLatency(report.result)}});
+}
+
+LoadExit run(const LoadOptions& options, Console& console, Interrupt& interrupt) {
+    auto setup = prepare(options, interrupt);
+    if (!setup) return complain(console, setup.error());
+    LiveLine live(console, console.errIsTerminal && !options.quiet);
+    const LoadResult result = runLoad(
+        setup->plan, interrupt,
+        [&](const Series& series) {
+            live.show(series);
+            return true;
+        },
+        setup->admin);
+    live.clear();
+    const LoadReport report{setup->plan, result,
+                            judge(setup->plan.mix.mix.thresholds, setup->slo, result),
+                            setup->environment, setup->version};
+    console.out << (options.json ? proto::writeJson(reportJson(report)) + "\n"
+                                 : reportTable(report))
+                << std::flush;
+    if (!options.out.empty())
+        if (const auto written = writeReport(options.out, report); !written)
+            return complain(console, written.error());
+    return exitOf(result, report.judgements);
+}
+
+LoadExit search(const LoadOptions& options, Console& console, Interrupt& interrupt) {
+    auto setup = prepare(options, interrupt);
+    if (!setup) return complain(console, setup.error());
+    SearchPlan plan{.load = setup->plan, .slo = setup->slo.value_or(Slo{99, 500'000})};
+    plan.maxErrors = options.maxErrors;
+    plan.from = options.from;
+    plan.precision = options.precision;
+    plan.window = options.window;
+    plan.poisson = options.poisson;
+    plan.curve = options.curve;
+    plan.load.sloLimit = plan.slo.limit;
+    const SearchResult result = runSearch(plan, interrupt, [&](const std::string& line) {
+        if (!options.quiet) console.err << line << std::endl;
+    });
+    proto::Json json = searchJson(plan, result);
+    json["environment"] = setup->environment;
+    json["server"] = setup->version;
+    const std::string markdown = curveMarkdown(plan, result);
+    console.out << (options.json ? proto::writeJson(json) + "\n" : markdown) << std::flush;
+    if (!options.out.empty()) {
+        const auto written = writeFolder(
+            options.out, {{"search.json", json.dump(1) + "\n"}, {"search.md", markdown}});
+        if (!written) return complain(console, written.error());
+    }
+    return exitOf(result);
+}
+
+LoadExit selftest(const LoadOptions& options, Console& console, Interrupt& interrupt) {
+    bool kept = true;
+    runSelftest(options.selftest, interrupt, [&](const SelftestCheck& check) {
+        kept = kept && (check.kept || !check.judged);
+        console.out << (!check.judged ? "told    "
+                        : check.kept  ? "ok      "
+                                      : "FAILED  ")
+                    << check.name << ": " << check.figures << std::endl;
+    });
+    if (interrupt.requested()) return LoadExit::cancelled;
+    return kept ? LoadExit::ok : LoadExit::missed;
+}
+
+LoadExit stub(const LoadOptions& options, Console& console, Interrupt& interrupt) {
+    const StubServer server({.port = options.port,
+                             .bodySize = options.bodySize,
+                             .stallAt = std::chrono::duration<double>(options.stallAt),
+                             .stallFor = std::chrono::duration<double>(options.stallFor)});
+    if (server.port() == 0) {
+        console.err << "rivage-load: port " << options.port << " cannot be used\n";
+        return LoadExit::usage;
+    }
+    console.out << "listening on " << server.url() << std::endl;
+    while (interrupt.sleep(std::chrono::hours(1))) {
+    }
+    return LoadExit::ok;
+}
+
+}  // namespace
+
+LoadExit runLoadCommand(const LoadOptions& options, Console& console, Interrupt& interrupt) {
+    prepareProcess(options.command == LoadCommand::stub ? 0 : options.nice);
+    switch (options.command) {
+        case LoadCommand::run: return run(options, console, interrupt);
+        case LoadCommand::search: return search(options, console, interrupt);
+        case LoadCommand::selftest: return selftest(options, console, interrupt);
+        case LoadCommand::stub: return stub(options, console, interrupt);
+    }
+    return LoadExit::usage;
+}
+
+}  // namespace rivage::client::load

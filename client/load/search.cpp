@@ -1,0 +1,231 @@
+#include "client/load/search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/load/report.h"
+
+namespace rivage::client::load {
+namespace {
+
+constexpr double kAgreement = 0.1;
+constexpr std::size_t kAgreeing = 3;  // windows in a row
+/// The closed loop before a search: long enough to start threads and to fill caches.
+constexpr double kProbeSeconds = 3;
+constexpr int kProbeClients = 4;
+
+bool within(const std::vector<double>& values) {
+    double mean = 0;
+    for (const double value : values) mean += value / static_cast<double>(values.size());
+    return std::all_of(values.begin(), values.end(), [&](double value) {
+        return std::abs(value - mean) <= kAgreement * mean + 1e-9;
+    });
+}
+
+/// The windows of the seconds that are over.
+std::vector<Second> windowsOf(const Series& series, std::size_t window) {
+    std::vector<Second> windows;
+    for (std::size_t end = window; end + 1 <= series.size(); end += window)
+        windows.push_back(series.between(end - window, end));
+    return windows;
+}
+
+double errorRate(const Second& sum) {
+    const auto all = static_cast<double>(sum.good + sum.refused + sum.failed);
+    return all == 0 ? 1 : static_cast<double>(sum.refused + sum.failed) / all;
+}
+
+bool keeps(const SearchPlan& plan, const Second& sum) {
+    return sum.good > 0 && errorRate(sum) <= plan.maxErrors &&
+           sum.latency().valueAt(plan.slo.percent) <= plan.slo.limit;
+}
+
+/// More of the same would not change the answer: it is stable, or two windows are far too slow.
+bool decided(const SearchPlan& plan, const std::vector<Second>& windows) {
+    const auto missed = std::count_if(windows.begin(), windows.end(),
+                                      [&](const Second& one) { return !keeps(plan, one); });
+    return windowsAgree(windows) || missed >= 2;
+}
+
+void judgeWindows(const SearchPlan& plan, const std::vector<Second>& windows, RatePoint& point) {
+    const std::size_t count = std::min(kAgreeing, windows.size());
+    Second sum;
+    for (std::size_t i = windows.size() - count; i < windows.size(); ++i) sum.merge(windows[i]);
+    point.windows = static_cast<int>(windows.size());
+    point.stable = windowsAgree(windows);
+    point.latency = sum.latency();
+    point.errorRate = errorRate(sum);
+    const double seconds = plan.window * static_cast<double>(count);
+    point.goodput = seconds > 0 ? static_cast<double>(sum.withinSlo) / seconds : 0;
+    point.kept = count > 0 && keeps(plan, sum);
+}
+
+RatePoint measureRate(const SearchPlan& plan, double rate, Interrupt& interrupt, int atLeast) {
+    LoadPlan load = plan.load;
+    load.arrivals.kind = plan.poisson ? Arrivals::poisson : Arrivals::constant;
+    load.arrivals.rate = rate;
+    load.sloLimit = plan.slo.limit;
+    load.duration = std::chrono::duration<double>(plan.window * plan.windows + 1);
+    const auto window = static_cast<std::size_t>(std::max(1.0, plan.window));
+    std::vector<Second> windows;
+    RatePoint point{.rate = rate};
+    point.result = runLoad(load, interrupt, [&](const Series& series) {
+        windows = windowsOf(series, window);
+        const auto count = static_cast<int>(windows.size());
+        return count < plan.windows && (count < atLeast || !decided(plan, windows));
+    });
+    judgeWindows(plan, windows, point);
+    return point;
+}
+
+std::string describePoint(const SearchPlan& plan, const RatePoint& point) {
+    const std::string name = percentileName(plan.slo.percent);
+    std::string text = numberText(point.rate, 2) + "/s: goodput " + numberText(point.goodput, 2) +
+                       "/s, p50 " + timeText(point.latency.valueAt(50)) + ", " + name + " " +
+                       timeText(point.latency.valueAt(plan.slo.percent)) + ", errors " +
+                       numberText(100 * point.errorRate, 2) + " %, " +
+                       std::to_string(point.windows) + " windows" +
+                       (point.stable ? "" : ", not stable") + (point.kept ? "" : ": too much");
+    if (!point.result.health.valid) text += " (generator late)";
+    return text;
+}
+
+double probeCapacity(const SearchPlan& plan, Interrupt& interrupt) {
+    LoadPlan load = plan.load;
+    load.arrivals = {.kind = Arrivals::closed, .concurrency = kProbeClients};
+    load.duration = std::chrono::duration<double>(kProbeSeconds);
+    const LoadResult result = runLoad(load, interrupt);
+    return result.duration <= 0 ? 0 : static_cast<double>(result.tally.good) / result.duration;
+}
+
+/// The offered rates of the curve that the load in a report of the curve can have.
+std::vector<std::string> curveRow(double factor, const SearchPlan& plan, const RatePoint& point) {
+    const Histogram& refused = point.result.tally[Measure::refused];
+    const double refusals = point.result.duration <= 0
+                                ? 0
+                                : static_cast<double>(refused.count()) / point.result.duration;
+    return {numberText(factor, 2) + "x",
+            numberText(point.rate, 2),
+            numberText(point.goodput, 2),
+            timeText(point.latency.percentile(50)),
+            timeText(point.latency.percentile(plan.slo.percent)),
+            numberText(refusals, 2),
+            timeText(refused.percentile(99)),
+            point.result.health.valid ? timeText(point.result.tally[Measure::lag].valueAt(99))
+                                      : "late"};
+}
+
+}  // namespace
+
+bool windowsAgree(const std::vector<Second>& windows) {
+    if (windows.size() < kAgreeing) return false;
+    std::vector<double> rates;
+    std::vector<double> medians;
+    for (std::size_t i = windows.size() - kAgreeing; i < windows.size(); ++i) {
+        rates.push_back(static_cast<double>(windows[i].good));
+        medians.push_back(static_cast<double>(windows[i].latency().valueAt(50)));
+    }
+    return within(rates) && within(medians);
+}
+
+SearchResult findKnee(const SearchPlan& plan, const MeasureRate& measure,
+                      const std::function<bool()>& stop) {
+    SearchResult result;
+    const auto tryRate = [&](double rate) {
+        result.steps.push_back(measure(rate));
+        if (!result.steps.back().kept) return false;
+        result.knee = std::max(result.knee, rate);
+        result.valid = result.steps.back().result.health.valid;
+        return true;
+    };
+    double low = 0;
+    double high = 0;
+    for (double rate = plan.from; !stop() && high == 0 && rate <= plan.to; rate *= 2)
+        (tryRate(rate) ? low : high) = rate;
+    // The first rate was too much already: down, until one is kept.
+    for (double rate = plan.from / 2; !stop() && low == 0 && rate >= plan.from / 64; rate /= 2)
+        (tryRate(rate) ? low : high) = rate;
+    while (!stop() && low > 0 && high > 0 && high - low > plan.precision * low) {
+        const double middle = (low + high) / 2;
+        (tryRate(middle) ? low : high) = middle;
+    }
+    return result;
+}
+
+SearchResult runSearch(const SearchPlan& plan, Interrupt& interrupt,
+                       const std::function<void(const std::string&)>& say) {
+    SearchPlan search = plan;
+    const double capacity = probeCapacity(plan, interrupt);
+    say("closed loop, " + std::to_string(kProbeClients) + " in flight: " + numberText(capacity, 2) +
+        "/s");
+    if (search.from <= 0) search.from = std::max(capacity / 4, 0.1);
+    const auto stop = [&] { return interrupt.requested() || capacity <= 0; };
+    const auto measure = [&](double rate, int atLeast) {
+        RatePoint point = measureRate(search, rate, interrupt, atLeast);
+        say(describePoint(search, point));
+        return point;
+    };
+    SearchResult result = findKnee(
+        search, [&](double rate) { return measure(rate, 1); }, stop);
+    result.capacity = capacity;
+    for (const double factor : search.curve) {
+        if (stop() || result.knee <= 0) break;
+        result.curve.push_back(measure(factor * result.knee, static_cast<int>(kAgreeing)));
+    }
+    result.interrupted = interrupt.requested();
+    return result;
+}
+
+LoadExit exitOf(const SearchResult& result) {
+    if (result.interrupted) return LoadExit::cancelled;
+    if (result.capacity <= 0) return LoadExit::unreachable;
+    if (result.knee <= 0) return LoadExit::missed;
+    return result.valid ? LoadExit::ok : LoadExit::late;
+}
+
+std::string curveMarkdown(const SearchPlan& plan, const SearchResult& result) {
+    const std::string name = percentileName(plan.slo.percent);
+    std::string text = "knee: " + numberText(result.knee, 2) + "/s with " + name +
+                       " <= " + timeText(plan.slo.limit) +
+                       " and errors <= " + numberText(100 * plan.maxErrors, 3) + " %\n\n";
+    text += "| load | offered/s | goodput/s | p50 | " + name +
+            " corrected | refusals/s | p99 of refusals | send lag p99 |\n"
+            "|---|---|---|---|---|---|---|---|\n";
+    for (std::size_t i = 0; i < result.curve.size(); ++i) {
+        text += "|";
+        for (const std::string& cell : curveRow(plan.curve[i], plan, result.curve[i]))
+            text += " " + cell + " |";
+        text += "\n";
+    }
+    return text;
+}
+
+proto::Json searchJson(const SearchPlan& plan, const SearchResult& result) {
+    const auto points = [&](const std::vector<RatePoint>& list) {
+        proto::Json json = proto::Json::array();
+        for (const RatePoint& point : list)
+            json.push_back({{"rate", point.rate},
+                            {"kept", point.kept},
+                            {"stable", point.stable},
+                            {"windows", point.windows},
+                            {"goodput_per_s", point.goodput},
+                            {"error_rate", point.errorRate},
+                            {"p50_us", point.latency.valueAt(50)},
+                            {"slo_percentile_us", point.latency.valueAt(plan.slo.percent)},
+                            {"errors", point.result.tally.errors},
+                            {"generator_valid", point.result.health.valid},
+                            {"latency", point.latency.toJson()},
+                            {"refused", point.result.tally[Measure::refused].toJson()}});
+        return json;
+    };
+    return {{"slo", {{"percentile", plan.slo.percent}, {"limit_us", plan.slo.limit}}},
+            {"max_error_rate", plan.maxErrors},
+            {"window_s", plan.window},
+            {"closed_loop_per_s", result.capacity},
+            {"knee_per_s", result.knee},
+            {"exit_code", static_cast<int>(exitOf(result))},
+            {"steps", points(result.steps)},
+            {"curve", points(result.curve)}};
+}
+
+}  // namespace rivage::client::load
