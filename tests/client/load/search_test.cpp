@@ -1,0 +1,64 @@
+#include "client/load/search.h"
+
+#include <doctest/doctest.h>
+
+namespace rivage::client::load {
+namespace {
+
+/// Windows with so many good answers each, all of one latency.
+std::vector<Second> windows(std::initializer_list<std::pair<int, std::int64_t>> list) {
+    std::vector<Second> result;
+    for (const auto& [good, latency] : list) {
+        Second second;
+        second.good = static_cast<std::uint64_t>(good);
+        second.corrected.emplace_back(Histogram::indexOf(latency), second.good);
+        result.push_back(second);
+    }
+    return result;
+}
+
+/// Looks for the knee of a server that keeps every rate up to `knee`.
+SearchResult search(double knee, double from) {
+    const LoadPlan load{Target(), PreparedMix{{}, {}, HeadWriter("x", "")}, ArrivalPlan()};
+    SearchPlan plan{.load = load};
+    plan.from = from;
+    plan.to = 1000;
+    return findKnee(
+        plan,
+        [&](double rate) {
+            RatePoint point{.rate = rate};
+            point.kept = rate <= knee;
+            return point;
+        },
+        [] { return false; });
+}
+
+TEST_SUITE("client/load") {
+    TEST_CASE("search: finds the knee from below and from above") {
+        for (const double from : {1.0, 30.0, 37.0, 200.0}) {
+            CAPTURE(from);
+            const SearchResult result = search(37, from);
+            CHECK(result.knee <= 37);
+            CHECK(result.knee > 37 / 1.06);
+            CHECK(exitOf(SearchResult{.capacity = 1, .knee = result.knee}) == LoadExit::ok);
+        }
+    }
+
+    TEST_CASE("search: no rate at all, and no end") {
+        CHECK(search(0, 10).knee == 0);
+        CHECK(exitOf(SearchResult{.capacity = 1}) == LoadExit::missed);
+        CHECK(exitOf(SearchResult{}) == LoadExit::unreachable);
+        CHECK(search(1e9, 10).knee == 640);  // the highest that may be tried
+    }
+
+    TEST_CASE("search: three windows agree if the goodput and the median are within 10 %") {
+        CHECK_FALSE(windowsAgree(windows({{100, 50}, {100, 50}})));
+        CHECK(windowsAgree(windows({{100, 500}, {105, 510}, {95, 490}})));
+        CHECK(windowsAgree(windows({{1, 5}, {100, 500}, {105, 510}, {95, 490}})));
+        CHECK_FALSE(windowsAgree(windows({{100, 500}, {100, 500}, {130, 500}})));
+        CHECK_FALSE(windowsAgree(windows({{100, 500}, {100, 500}, {100, 700}})));
+    }
+}
+
+}  // namespace
+}  // namespace rivage::client::load
