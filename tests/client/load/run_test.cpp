@@ -138,6 +138,25 @@ TEST_SUITE("client/load") {
         CHECK(p90(closed(1), 1) < 100'000);
     }
 
+    TEST_CASE("run: latency counts from the planned send, also if the generator is late") {
+        const StubServer stub({});
+        const LoadPlan plan =
+            planFor(stub.url(), plainMix("/"), {.kind = Arrivals::constant, .rate = 100});
+        Series series;
+        Verifier verifier;
+        // Half of the sends are due before the generator begins.
+        Generator generator(plan, 0, Clock::now() - std::chrono::milliseconds(500), series,
+                            verifier);
+        generator.run(false);
+        const Tally& tally = generator.tally();
+        CHECK(tally.good == 100);
+        CHECK(tally[Measure::corrected].max() > 490'000);
+        CHECK(tally[Measure::corrected].valueAt(75) > 200'000);
+        CHECK(tally[Measure::asSent].valueAt(75) < 100'000);
+        CHECK(tally[Measure::lag].max() > 490'000);
+        CHECK(tally.late >= 49);
+    }
+
     TEST_CASE("run: what finds no connection is not sent, and says so") {
         const StubServer stub({.stallAt = std::chrono::duration<double>(0.01),
                                .stallFor = std::chrono::duration<double>(0.5)});
