@@ -1,23 +1,15 @@
 #include "client/load/command_line.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
+#include <map>
+
+#include "client/load/manual.h"
 
 namespace rivage::client::load {
 namespace {
 
 /// Longer runs are for who owns the server.
 constexpr double kMaxSeconds = 3600;
-
-constexpr const char* kExamples = R"(Examples:
-  rivage-load run --server http://127.0.0.1:8080 --rate 20 --duration 30 --slo p99=500ms
-  rivage-load run --server unix:/run/rivage.sock --concurrency 4 --mix mix.json --out out/load
-  rivage-load run --server http://127.0.0.1:8080 --get /version --rate 5000 --poisson
-  rivage-load search --server http://127.0.0.1:8080 --slo p99=1s
-  rivage-load selftest
-
-Exit codes: 0 ok, 1 a threshold or the limit of --slo was missed, 2 wrong usage, 3 the generator was
-late (the figures say nothing), 4 no server answers, 7 cancelled, 8 a file could not be written.)";
 
 void addServer(CLI::App& command, LoadOptions& options) {
     command.add_option("--server", options.server, "http[s]://HOST:PORT or unix:/PATH")
@@ -29,6 +21,7 @@ void addServer(CLI::App& command, LoadOptions& options) {
     command
         .add_option("--api-key-file", options.apiKeyFile,
                     "File whose first line is the API key; or set RIVAGE_API_KEY to the key")
+        ->envname("RIVAGE_API_KEY_FILE")
         ->type_name("FILE");
     command
         .add_option("--ca-file", options.caFile,
@@ -161,16 +154,30 @@ tl::unexpected<LoadExit> complain(Console& console, const std::string& text) {
     return tl::unexpected(LoadExit::usage);
 }
 
+/// What is wrong between options, or null.
+const char* contradiction(const LoadOptions& options) {
+    if (options.command != LoadCommand::run) return nullptr;
+    if (options.poisson && options.rate <= 0) return "--poisson needs --rate";
+    if (options.duration > kMaxSeconds && !options.ownThis)
+        return "a run of more than 3600 s needs --i-own-this";
+    return nullptr;
+}
+
 }  // namespace
 
 void describeLoadCommandLine(CLI::App& app, LoadOptions& options) {
     app.description("Measures how a rivage-server keeps up with a load.");
-    app.footer(kExamples);
+    app.footer(helpFooter());
     app.set_version_flag("--version", "rivage-load " RIVAGE_VERSION);
     app.require_subcommand(1);
     addRun(app, options);
     addSearch(app, options);
     addOthers(app, options);
+    app.add_subcommand("man", "Print the man page");
+    app.add_subcommand("completions", "Print the completions for a shell")
+        ->add_option("SHELL", options.shell, "Which shell")
+        ->required()
+        ->check(CLI::IsMember({"bash", "zsh", "fish"}));
 }
 
 tl::expected<LoadOptions, LoadExit> parseLoadCommandLine(const std::vector<std::string>& arguments,
@@ -187,18 +194,15 @@ tl::expected<LoadOptions, LoadExit> parseLoadCommandLine(const std::vector<std::
     } catch (const CLI::ParseError& error) {
         return complain(console, error.what());
     }
+    static const std::map<std::string, LoadCommand> kCommands{
+        {"run", LoadCommand::run},           {"search", LoadCommand::search},
+        {"selftest", LoadCommand::selftest}, {"stub", LoadCommand::stub},
+        {"man", LoadCommand::man},           {"completions", LoadCommand::completions}};
     const CLI::App* command = app.get_subcommands().front();
     const std::string name = command->get_name();
-    options.command = name == "run"        ? LoadCommand::run
-                      : name == "search"   ? LoadCommand::search
-                      : name == "selftest" ? LoadCommand::selftest
-                                           : LoadCommand::stub;
+    options.command = kCommands.at(name);
     if (name == "run" || name == "search") options.seedGiven = command->count("--seed") > 0;
-    if (options.poisson && name == "run" && options.rate <= 0)
-        return complain(console, "--poisson needs --rate");
-    const bool tooLong = name == "run" && options.duration > kMaxSeconds;
-    if (tooLong && !options.ownThis)
-        return complain(console, "a run of more than 3600 s needs --i-own-this");
+    if (const char* wrong = contradiction(options)) return complain(console, wrong);
     options.typed = "rivage-load";
     for (const std::string& word : arguments) options.typed += " " + word;
     return options;

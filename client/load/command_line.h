@@ -14,7 +14,7 @@ class App;
 
 namespace rivage::client::load {
 
-enum class LoadCommand : std::uint8_t { run, search, selftest, stub };
+enum class LoadCommand : std::uint8_t { run, search, selftest, stub, man, completions };
 
 /// A command line of `rivage-load`, as it was typed.
 struct LoadOptions {
@@ -56,6 +56,7 @@ struct LoadOptions {
     std::size_t bodySize = 2;
     double stallAt = 0;
     double stallFor = 0;
+    std::string shell;  ///< of completions
     std::string typed;  ///< the whole line
 };
 
@@ -66,6 +67,11 @@ void describeLoadCommandLine(CLI::App& app, LoadOptions& options);
 /// @param arguments  without the name of the program
 tl::expected<LoadOptions, LoadExit> parseLoadCommandLine(const std::vector<std::string>& arguments,
                                                          Console& console);
+
+/// The man page (section 1).
+[[nodiscard]] std::string loadManPage();
+/// The completions for a shell. @param shell  one of those that the command line accepts
+[[nodiscard]] std::string loadCompletions(const std::string& shell);
 
 /// Does what a command line asks for.
 LoadExit runLoadCommand(const LoadOptions& options, Console& console, Interrupt& interrupt);

@@ -266,6 +266,10 @@ LoadExit runLoadCommand(const LoadOptions& options, Console& console, Interrupt&
         case LoadCommand::search: return search(options, console, interrupt);
         case LoadCommand::selftest: return selftest(options, console, interrupt);
         case LoadCommand::stub: return stub(options, console, interrupt);
+        case LoadCommand::man: console.out << loadManPage(); return LoadExit::ok;
+        case LoadCommand::completions:
+            console.out << loadCompletions(options.shell);
+            return LoadExit::ok;
     }
     return LoadExit::usage;
 }

@@ -64,7 +64,7 @@ proto::Json describeEnvironment(const std::string& command) {
 }
 
 Outcome<proto::Json> serverVersion(const ServerAccess& server, Interrupt& interrupt) {
-    Transport transport(server, interrupt, {.connectTries = 1});
+    Transport transport(server, interrupt, {.tries = 1});
     transport.setDeadline(Clock::now() + std::chrono::seconds(10));
     const auto answer = transport.send(makeRequest("GET", "/version"));
     if (!answer) {

@@ -45,7 +45,7 @@ void MetricsPoll::work() {
     std::unique_lock lock(mutex_);
     while (!stopping_) {
         lock.unlock();
-        Transport transport(admin_, never, {.connectTries = 1});
+        Transport transport(admin_, never, {.tries = 1});
         transport.setDeadline(Clock::now() + std::chrono::milliseconds(900));
         const auto answer = transport.send(makeRequest("GET", "/metrics"));
         MetricsSample sample;

@@ -26,7 +26,7 @@ Outcome<std::string> readFile(const std::string& path) {
 class Grids {
 public:
     Grids(const ServerAccess& server, Interrupt& interrupt)
-        : transport_(server, interrupt, {.connectTries = 1}) {}
+        : transport_(server, interrupt, {.tries = 1}) {}
 
     Outcome<std::string> get(const MixEntry& entry) {
         const std::string key = entry.sample.empty() ? "file:" + entry.file : entry.sample;
