@@ -220,6 +220,7 @@ LoadExit search(const LoadOptions& options, Console& console, Interrupt& interru
     json["environment"] = setup->environment;
     json["server"] = setup->version;
     const std::string markdown = curveMarkdown(plan, result);
+    json["markdown"] = markdown;
     console.out << (options.json ? proto::writeJson(json) + "\n" : markdown) << std::flush;
     if (!options.out.empty()) {
         const auto written = writeFolder(

@@ -47,8 +47,10 @@ bool decided(const SearchPlan& plan, const std::vector<Second>& windows) {
     return windowsAgree(windows) || missed >= 2;
 }
 
-void judgeWindows(const SearchPlan& plan, const std::vector<Second>& windows, RatePoint& point) {
-    const std::size_t count = std::min(kAgreeing, windows.size());
+/// @param count  so many of the last windows count
+void judgeWindows(const SearchPlan& plan, const std::vector<Second>& windows, std::size_t count,
+                  RatePoint& point) {
+    count = std::min(count, windows.size());
     Second sum;
     for (std::size_t i = windows.size() - count; i < windows.size(); ++i) sum.merge(windows[i]);
     point.windows = static_cast<int>(windows.size());
@@ -60,7 +62,9 @@ void judgeWindows(const SearchPlan& plan, const std::vector<Second>& windows, Ra
     point.kept = count > 0 && keeps(plan, sum);
 }
 
-RatePoint measureRate(const SearchPlan& plan, double rate, Interrupt& interrupt, int atLeast) {
+/// @param whole  all windows are measured and count, so that there are samples for high percentiles;
+///               else it ends when it is decided, by the last three
+RatePoint measureRate(const SearchPlan& plan, double rate, Interrupt& interrupt, bool whole) {
     LoadPlan load = plan.load;
     load.arrivals.kind = plan.poisson ? Arrivals::poisson : Arrivals::constant;
     load.arrivals.rate = rate;
@@ -72,9 +76,9 @@ RatePoint measureRate(const SearchPlan& plan, double rate, Interrupt& interrupt,
     point.result = runLoad(load, interrupt, [&](const Series& series) {
         windows = windowsOf(series, window);
         const auto count = static_cast<int>(windows.size());
-        return count < plan.windows && (count < atLeast || !decided(plan, windows));
+        return count < plan.windows && (whole || !decided(plan, windows));
     });
-    judgeWindows(plan, windows, point);
+    judgeWindows(plan, windows, whole ? windows.size() : kAgreeing, point);
     return point;
 }
 
@@ -109,6 +113,7 @@ std::vector<std::string> curveRow(double factor, const SearchPlan& plan, const R
             numberText(point.goodput, 2),
             timeText(point.latency.percentile(50)),
             timeText(point.latency.percentile(plan.slo.percent)),
+            std::to_string(point.latency.count()),
             numberText(refusals, 2),
             timeText(refused.percentile(99)),
             point.result.health.valid ? timeText(point.result.tally[Measure::lag].valueAt(99))
@@ -160,17 +165,17 @@ SearchResult runSearch(const SearchPlan& plan, Interrupt& interrupt,
         "/s");
     if (search.from <= 0) search.from = std::max(capacity / 4, 0.1);
     const auto stop = [&] { return interrupt.requested() || capacity <= 0; };
-    const auto measure = [&](double rate, int atLeast) {
-        RatePoint point = measureRate(search, rate, interrupt, atLeast);
+    const auto measure = [&](double rate, bool whole) {
+        RatePoint point = measureRate(search, rate, interrupt, whole);
         say(describePoint(search, point));
         return point;
     };
     SearchResult result = findKnee(
-        search, [&](double rate) { return measure(rate, 1); }, stop);
+        search, [&](double rate) { return measure(rate, false); }, stop);
     result.capacity = capacity;
     for (const double factor : search.curve) {
         if (stop() || result.knee <= 0) break;
-        result.curve.push_back(measure(factor * result.knee, static_cast<int>(kAgreeing)));
+        result.curve.push_back(measure(factor * result.knee, true));
     }
     result.interrupted = interrupt.requested();
     return result;
@@ -189,8 +194,8 @@ std::string curveMarkdown(const SearchPlan& plan, const SearchResult& result) {
                        " <= " + timeText(plan.slo.limit) +
                        " and errors <= " + numberText(100 * plan.maxErrors, 3) + " %\n\n";
     text += "| load | offered/s | goodput/s | p50 | " + name +
-            " corrected | refusals/s | p99 of refusals | send lag p99 |\n"
-            "|---|---|---|---|---|---|---|---|\n";
+            " corrected | samples | refusals/s | p99 of refusals | send lag p99 |\n"
+            "|---|---|---|---|---|---|---|---|---|\n";
     for (std::size_t i = 0; i < result.curve.size(); ++i) {
         text += "|";
         for (const std::string& cell : curveRow(plan.curve[i], plan, result.curve[i]))

@@ -47,6 +47,18 @@ TEST_SUITE("client/load") {
         CHECK(command({"--version"}).out.starts_with("rivage-load "));
     }
 
+    TEST_CASE("command line: the man page and the completions know every command") {
+        const std::string man = command({"man"}).out;
+        for (const char* text : {".TH", "search", "max\\-errors", "RIVAGE_API_KEY", "EXIT STATUS"})
+            CHECK(man.find(text) != std::string::npos);
+        for (const char* shell : {"bash", "zsh", "fish"}) {
+            const Ended completions = command({"completions", shell});
+            CHECK(completions.code == 0);
+            CHECK(completions.out.find("concurrency") != std::string::npos);
+        }
+        CHECK(command({"completions", "csh"}).code == 2);
+    }
+
     TEST_CASE("reject: command lines that make no sense") {
         unsetenv("RIVAGE_SERVER");
         const std::string url = "http://127.0.0.1:1";
