@@ -107,14 +107,16 @@ double mean(const std::vector<double>& values) {
 }
 
 /// The figures of some samples, in metres and, where its size is known, in voxels.
-Json figures(std::vector<double> distances, double max, const std::optional<double>& voxel) {
+Json figures(std::vector<double> distances, const Farthest& farthest,
+             const std::optional<double>& voxel) {
     double squares = 0;
     for (const double distance : distances) squares += distance * distance;
     const Json meters = {{"mean", mean(distances)},
                          {"rms", std::sqrt(squares / static_cast<double>(distances.size()))},
                          {"p95", quantile(distances, 0.95)},
                          {"p99", quantile(distances, 0.99)},
-                         {"max", max}};
+                         {"max", farthest.distance},
+                         {"max_at_most", farthest.atMost}};
     Json voxels;
     if (voxel)
         for (const auto& [name, value] : meters.items())
@@ -122,14 +124,18 @@ Json figures(std::vector<double> distances, double max, const std::optional<doub
     return {{"meters", meters}, {"voxels", voxels}, {"samples", distances.size()}};
 }
 
-const DistanceSamples::Row& farthest(const DistanceSamples& samples) {
-    return *std::max_element(samples.rows.begin(), samples.rows.end(),
-                             [](const auto& x, const auto& y) { return x.max < y.max; });
+const Farthest& farthestOf(const DistanceSamples& samples) {
+    return std::max_element(samples.rows.begin(), samples.rows.end(),
+                            [](const auto& x, const auto& y) {
+                                return x.farthest.distance < y.farthest.distance;
+                            })
+        ->farthest;
 }
 
 Json describeWay(const DistanceSamples& samples, const std::optional<double>& voxel) {
-    const DistanceSamples::Row& most = farthest(samples);
-    Json json = figures(samples.distances, most.max, voxel);
+    Farthest most = farthestOf(samples);
+    for (const auto& one : samples.rows) most.atMost = std::max(most.atMost, one.farthest.atMost);
+    Json json = figures(samples.distances, most, voxel);
     json["at"] = row(most.at);
     return json;
 }
@@ -137,7 +143,7 @@ Json describeWay(const DistanceSamples& samples, const std::optional<double>& vo
 Json partFigures(const DistanceSamples& samples, const DistanceSamples::Row& one,
                  const std::optional<double>& voxel) {
     const auto first = samples.distances.begin() + static_cast<std::ptrdiff_t>(one.firstSample);
-    return figures({first, first + static_cast<std::ptrdiff_t>(one.samples)}, one.max, voxel);
+    return figures({first, first + static_cast<std::ptrdiff_t>(one.samples)}, one.farthest, voxel);
 }
 
 std::vector<double> together(const std::vector<double>& x, const std::vector<double>& y) {
@@ -179,7 +185,7 @@ Json colorShare(const Ways& ways) {
 }
 
 void addWays(const Side& a, const Ways& ways, const std::optional<double>& voxel, Json& json) {
-    const double max = std::max(farthest(ways.there).max, farthest(ways.back).max);
+    const double max = std::max(farthestOf(ways.there).distance, farthestOf(ways.back).distance);
     json["distance"] = {
         {"a_to_b", describeWay(ways.there, voxel)},
         {"b_to_a", describeWay(ways.back, voxel)},

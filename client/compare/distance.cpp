@@ -15,6 +15,8 @@ namespace {
 using Eigen::Vector3d;
 using Search = TriangleTree::Search;
 
+/// What the largest distance may cost, beside the samples; rarely used up.
+constexpr std::size_t kSearchesPerSample = 4;
 constexpr double kDegrees = 57.295779513082321;
 /// sRGB steps of 8 bits: a value that was rounded once in each file differs by one.
 constexpr double kColorStep = 1.5 / 255;
@@ -151,10 +153,10 @@ void measureSamples(const Pair& pair, const Sampler& sampler, const DistanceSett
     });
 }
 
-/// The largest distance of the vertices and the samples, and the first place that has it.
-void findMax(const Pair& pair, const Sampler& sampler, const std::vector<std::uint32_t>& vertices,
-             const DistanceSettings& settings, DistanceSamples& out) {
-    DistanceSamples::Row& row = out.rows.back();
+/// The farthest of the vertices and the samples, and the first of them that is.
+Farthest farthestKnown(const Pair& pair, const Sampler& sampler,
+                       const std::vector<std::uint32_t>& vertices, const DistanceSettings& settings,
+                       const DistanceSamples& out) {
     std::vector<double> distances(vertices.size());
     forBlocks(vertices.size(), settings.threads, [&](std::size_t from, std::size_t to) {
         Search search;
@@ -164,13 +166,12 @@ void findMax(const Pair& pair, const Sampler& sampler, const std::vector<std::ui
         }
     });
     const auto vertex = std::max_element(distances.begin(), distances.end());
-    row.max = *vertex;
-    row.at = pair.a.positions[vertices[vertex - distances.begin()]].cast<double>();
+    const DistanceSamples::Row& row = out.rows.back();
     const auto first = out.distances.begin() + static_cast<std::ptrdiff_t>(row.firstSample);
     const auto sample = std::max_element(first, out.distances.end());
-    if (*sample <= row.max) return;
-    row.max = *sample;
-    row.at = positionOf(pair.a, sampler.point(sample - first, row.samples));
+    if (*sample > *vertex)
+        return {*sample, positionOf(pair.a, sampler.point(sample - first, row.samples))};
+    return {*vertex, pair.a.positions[vertices[vertex - distances.begin()]].cast<double>()};
 }
 
 }  // namespace
@@ -191,7 +192,12 @@ DistanceSamples measureDistance(const Surface& a, const Surface& b,
                             .firstSample = out.distances.size(),
                             .samples = std::max<std::size_t>(1, std::llround(share))});
         measureSamples(pair, sampler, settings, out);
-        findMax(pair, sampler, verticesOf(a, triangles), settings, out);
+        out.rows.back().farthest =
+            findFarthest(a, triangles, b, tree,
+                         farthestKnown(pair, sampler, verticesOf(a, triangles), settings, out),
+                         {.zero = settings.zero,
+                          .searches = kSearchesPerSample * out.rows.back().samples,
+                          .threads = settings.threads});
     }
     return out;
 }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "client/compare/farthest.h"
 #include "client/compare/surface.h"
 
 namespace rivage::client {
@@ -13,8 +14,7 @@ struct DistanceSamples {
         std::size_t partA = 0;  ///< kWhole for all parts at once
         std::size_t firstSample = 0;
         std::size_t samples = 0;
-        double max = 0;                                ///< of the samples and of all vertices
-        Eigen::Vector3d at = Eigen::Vector3d::Zero();  ///< where on A
+        Farthest farthest;  ///< on A
     };
     static constexpr std::size_t kWhole = static_cast<std::size_t>(-1);
 
@@ -40,6 +40,7 @@ struct DistanceSettings {
 /// Measures from A to B: exactly, from points of A to triangles of B. The points are all vertices
 /// and a fixed sequence that is even by area; where several triangles of B are equally close, as on
 /// edges, the one with the most similar normal counts, and any colour of theirs is the same colour.
+/// The largest distance is then bounded from both sides (farthest.h).
 /// @param pairs  parts with at least one triangle that has an area
 /// @return  the same bits for any number of threads
 /// @cost    O((samples + vertices) log triangles)

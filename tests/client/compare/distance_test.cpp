@@ -35,7 +35,7 @@ TEST_SUITE("client/compare") {
         for (const double distance : samples.distances)
             REQUIRE(distance == doctest::Approx(0.25).epsilon(1e-12));
         for (const double degrees : samples.degrees) REQUIRE(degrees < 1e-9);
-        CHECK(samples.rows.front().max == doctest::Approx(0.25));
+        CHECK(samples.rows.front().farthest.distance == doctest::Approx(0.25));
     }
 
     TEST_CASE("measureDistance: a cube and the cube twice as large") {
@@ -45,8 +45,8 @@ TEST_SUITE("client/compare") {
         for (const double distance : out.distances)
             REQUIRE(distance == doctest::Approx(0.5).epsilon(1e-12));
         const DistanceSamples in = between({cube(0, 2)}, {cube(0.5, 1.5)});
-        CHECK(in.rows.front().max == doctest::Approx(std::sqrt(3) / 2));
-        const Vector3d at = in.rows.front().at;
+        CHECK(in.rows.front().farthest.distance == doctest::Approx(std::sqrt(3) / 2));
+        const Vector3d at = in.rows.front().farthest.at;
         for (int i = 0; i < 3; ++i) CHECK(std::abs(at[i] - 1) == doctest::Approx(1));
         // A quarter of the area is over the small side, a half over its edges, a quarter over its
         // corners: the mean over a side of sqrt(0.25 + u^2 + v^2) with u, v beyond the small side.
@@ -67,8 +67,8 @@ TEST_SUITE("client/compare") {
         const Shape still = ball({0, 0, 0}, 1, 100);
         const DistanceSamples samples =
             between({still}, {shifted(still, Vector3f(0, 0, static_cast<float>(d)))});
-        CHECK(samples.rows.front().max == doctest::Approx(d).epsilon(0.01));
-        CHECK(std::abs(samples.rows.front().at.z()) == doctest::Approx(1).epsilon(0.01));
+        CHECK(samples.rows.front().farthest.distance == doctest::Approx(d).epsilon(0.01));
+        CHECK(std::abs(samples.rows.front().farthest.at.z()) == doctest::Approx(1).epsilon(0.01));
         CHECK(meanOf(samples.distances) == doctest::Approx(d / 2).epsilon(0.02));
     }
 
@@ -76,10 +76,10 @@ TEST_SUITE("client/compare") {
         Shape mixed = ball({0, 0, 0}, 1, 20);
         std::reverse(mixed.triangles.begin(), mixed.triangles.end());
         const DistanceSamples same = between({ball({0, 0, 0}, 1, 20)}, {mixed});
-        CHECK(same.rows.front().max < 1e-12);
+        CHECK(same.rows.front().farthest.distance < 1e-12);
         CHECK(*std::max_element(same.degrees.begin(), same.degrees.end()) < 1e-5);
         const DistanceSamples turn = between({mixed}, {turned(mixed)});
-        CHECK(turn.rows.front().max < 1e-12);
+        CHECK(turn.rows.front().farthest.distance < 1e-12);
         CHECK(*std::min_element(turn.degrees.begin(), turn.degrees.end()) > 100);
     }
 
@@ -93,8 +93,8 @@ TEST_SUITE("client/compare") {
         Shape spike = plane(10, 10, 0);
         spike.positions[60].z() = 5;  // samples do not hit the very tip
         const DistanceSamples samples = between({spike}, {plane(10, 10, 0)});
-        CHECK(samples.rows.front().max == 5);
-        CHECK(samples.rows.front().at == spike.positions[60].cast<double>());
+        CHECK(samples.rows.front().farthest.distance == 5);
+        CHECK(samples.rows.front().farthest.at == spike.positions[60].cast<double>());
     }
 
     TEST_CASE("measureDistance: samples are even by area") {
@@ -126,6 +126,46 @@ TEST_SUITE("client/compare") {
         CHECK(share(between({gray}, {painted(gray, Vector3f::Constant(0.512F))})) == 1);
     }
 
+    TEST_CASE("measureDistance: the farthest point is found where no sample and no vertex is") {
+        // Over the middle of the gap between two points far below, in a triangle of its own.
+        Shape floor = plane(1, 1, 0);
+        Shape walls = shifted(plane(1, 1, 0), {100.37F, 0, 0});
+        walls.positions.insert(walls.positions.end(), floor.positions.begin(),
+                               floor.positions.end());
+        const auto count = static_cast<std::uint32_t>(floor.positions.size());
+        for (auto t : floor.triangles)
+            walls.triangles.push_back({t[0] + count, t[1] + count, t[2] + count});
+        Shape strip;
+        strip.positions = {{0, 0.5F, 0}, {101.37F, 0.5F, 0}, {101.37F, 0.5001F, 0}};
+        strip.triangles = {{0, 1, 2}};
+        for (const std::size_t samples : {1, 400}) {
+            const DistanceSamples found =
+                measureDistance(surfaceOf({strip}), surfaceOf({walls}), {PartPair{}},
+                                {.samples = samples, .tolerance = 1e-6});
+            const Farthest& farthest = found.rows.front().farthest;
+            CHECK(farthest.atMost >= (100.37F - 1) / 2 - 1e-4);
+            if (samples == 1) continue;  // its searches are used up
+            CHECK(farthest.distance == doctest::Approx((100.37 - 1) / 2).epsilon(0.005));
+            CHECK(farthest.at.x() == doctest::Approx(101.37 / 2).epsilon(0.01));
+            CHECK(farthest.atMost <= 1.0051 * farthest.distance);
+        }
+    }
+
+    TEST_CASE("property: many random points are never farther than the bound") {
+        const Shape a = ball({0, 0, 0}, 1, 7);
+        const Shape b = shifted(cube(-0.7F, 0.8F), {0.2F, 0.1F, 0});
+        const Farthest few = measureDistance(surfaceOf({a}), surfaceOf({b}), {PartPair{}},
+                                             {.samples = 500, .tolerance = 1e-6})
+                                 .rows.front()
+                                 .farthest;
+        const DistanceSamples many = measureDistance(surfaceOf({a}), surfaceOf({b}), {PartPair{}},
+                                                     {.samples = 300'000, .tolerance = 1e-6});
+        const double seen = *std::max_element(many.distances.begin(), many.distances.end());
+        CHECK(seen <= few.atMost);
+        CHECK(few.distance <= few.atMost);
+        CHECK(few.atMost <= 1.006 * seen);
+    }
+
     TEST_CASE("determinism: threads 1, 2, 7 give the same bits") {
         const Shape a = ball({0, 0, 0}, 1, 40);
         const Shape b = ball({0.1F, 0, 0}, 1.1F, 31);
@@ -134,8 +174,8 @@ TEST_SUITE("client/compare") {
             const DistanceSamples other = between({a}, {b}, threads);
             CHECK(one.distances == other.distances);
             CHECK(one.degrees == other.degrees);
-            CHECK(one.rows.front().max == other.rows.front().max);
-            CHECK(one.rows.front().at == other.rows.front().at);
+            CHECK(one.rows.front().farthest.distance == other.rows.front().farthest.distance);
+            CHECK(one.rows.front().farthest.at == other.rows.front().farthest.at);
         }
     }
 
@@ -144,8 +184,9 @@ TEST_SUITE("client/compare") {
         const Shape b = cube(-1, 1);
         const DistanceSamples samples = between({a}, {b});
         CHECK(*std::max_element(samples.distances.begin(), samples.distances.end()) <=
-              samples.rows.front().max);
+              samples.rows.front().farthest.distance);
         // A ball of radius 1 in a cube of half side 1: the farthest is the diagonal, 1 - 1/sqrt(3).
-        CHECK(samples.rows.front().max == doctest::Approx(1 - 1 / std::sqrt(3)).epsilon(0.02));
+        CHECK(samples.rows.front().farthest.distance ==
+              doctest::Approx(1 - 1 / std::sqrt(3)).epsilon(0.02));
     }
 }
