@@ -72,6 +72,9 @@ std::string optionTerm(const TreeOption& option) {
 std::string optionText(const TreeOption& option) {
     std::vector<std::string> facts;
     if (option.required) facts.emplace_back("required");
+    const std::vector<std::string>& words = option.value.words;
+    if (!words.empty() && option.value.name.find(words.front()) == std::string::npos)
+        facts.push_back("one of " + joined(words, ", "));
     if (!option.value.range.empty()) facts.push_back("range: " + option.value.range);
     if (!option.defaultText.empty()) facts.push_back("default: " + option.defaultText);
     if (!option.environment.empty()) facts.push_back("environment: " + option.environment);

@@ -196,6 +196,10 @@ TEST_SUITE("client/compare") {
     TEST_CASE("reject: nodes in circles, or twice") {
         refuseSpoiled("below two others", [](Json& json) { json["nodes"][0]["children"] = {0}; });
         refuseSpoiled("below two others", [](Json& json) { json["scenes"][0]["nodes"] = {0, 0}; });
+        refuseSpoiled("below two others", [](Json& json) {  // not more are named than there are
+            json["nodes"].push_back(Json::object());
+            json["scenes"][0]["nodes"] = {0, 0};
+        });
         refuseSpoiled("no proper placement", [](Json& json) { json["nodes"][0]["matrix"] = {1}; });
         refuseSpoiled("no proper rotation", [](Json& json) {
             json["nodes"][0]["rotation"] = {0, 0, 0, 0};

@@ -52,6 +52,7 @@ void checkShell(Shell shell) {
     CHECK(ask("convert --pack ") == "draco none");
     CHECK(ask("convert --pack d") == "draco");
     CHECK(ask("convert --mode ") == "exact fast");
+    CHECK(ask("convert --when ") == "later now");
     CHECK(ask("cv --mode e") == "exact");
     CHECK(ask("convert --tag red ") == "green red");
     CHECK(ask("jobs fetch --resume ") == "no yes");

@@ -91,10 +91,11 @@ TEST_SUITE("client/reference") {
         for (const char* expected :
              {"sample-tool - Turns a thing into [another: thing]", "Where it is: 'here' or \\there",
               "-o, --out PATH", "--pack draco|none|NUMBER|XxYxZ", "--mode fast|exact",
-              "--timeout SECONDS", "range: 0.5 - 9; default: 1", "environment: SAMPLE_SERVER",
-              "First paragraph of two lines.", ".Not a request, \\n either.",
-              "sample-tool convert 'a b' --out -", "other-tool(1), man(7)", "~/.config/sample",
-              "sample-tool jobs fetch [OPTIONS] ID", "sample-tool convert [OPTIONS] IN ..."}) {
+              "--timeout SECONDS", "At what time (one of now, later)", "range: 0.5 - 9; default: 1",
+              "environment: SAMPLE_SERVER", "First paragraph of two lines.",
+              ".Not a request, \\n either.", "sample-tool convert 'a b' --out -",
+              "other-tool(1), man(7)", "~/.config/sample", "sample-tool jobs fetch [OPTIONS] ID",
+              "sample-tool convert [OPTIONS] IN ..."}) {
             CAPTURE(expected);
             CHECK(text.find(expected) != std::string::npos);
         }

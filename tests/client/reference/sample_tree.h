@@ -39,6 +39,9 @@ struct SampleTree {
         convert->add_option("--mode", text, "Which way")
             ->check(CLI::IsMember({"fast", "exact"}))
             ->group("Method");
+        convert->add_option("--when", text, "At what time")
+            ->check(CLI::IsMember({"now", "later"}))
+            ->type_name("WHEN");
         convert->add_option("--tag", texts, "Any number of tags")->type_name("red|green");
         convert->add_option_group("Group")->add_option("--grouped", text, "One of a group");
 
