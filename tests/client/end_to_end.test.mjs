@@ -1,5 +1,6 @@
 // The real client and server on real sockets.
 import assert from 'node:assert/strict';
+import {spawnSync} from 'node:child_process';
 import {cpSync, existsSync, mkdirSync, readdirSync, readFileSync, renameSync, rmSync, statSync,
   writeFileSync} from 'node:fs';
 import {join} from 'node:path';
@@ -200,4 +201,28 @@ test('compare, completions and man need no server', async (t) => {
   const page = await rivage(['man'], {folder, env: {RIVAGE_CLIENT_NONSENSE: '1'}});
   assert.equal(page.code, 0);
   assert.match(page.stdout.toString(), /RIVAGE_CLIENT_PRESET/);
+});
+
+test('https: a certificate has to be trusted and has to fit; a key is sent', async (t) => {
+  const folder = makeFolder(t);
+  const made = spawnSync('openssl', ['req', '-x509', '-newkey', 'rsa:2048', '-nodes', '-days', '2',
+    '-keyout', 'key.pem', '-out', 'cert.pem', '-subj', '/CN=localhost', '-addext',
+    'subjectAltName=DNS:localhost'], {cwd: folder});
+  assert.equal(made.status, 0, String(made.stderr));
+  const hashed = await start('rivage-server', ['--hash-key=tester'], {folder, input: 'a-long-secret-key-of-mine\n'}).ended;
+  assert.equal(hashed.code, 0, hashed.stderr);
+  writeFileSync(join(folder, 'keys'), hashed.stdout);
+  writeFileSync(join(folder, 'key'), 'a-long-secret-key-of-mine\n');
+  const {url} = await startServer(t, folder,
+    ['--tls-cert', 'cert.pem', '--tls-key', 'key.pem', '--api-keys', 'keys']);
+  const named = url.replace('127.0.0.1', 'localhost');
+  const list = (server, ...args) => rivage(['jobs', 'list', '--server', server, ...args], {folder});
+  const trusted = ['--ca-file', 'cert.pem'];
+  assert.equal((await list(named, ...trusted, '--api-key-file', 'key')).code, 0);
+  assert.equal((await list(named, ...trusted)).code, 3, 'no key');
+  const stranger = await list(named);
+  assert.equal(stranger.code, 4);
+  assert.match(stranger.stderr, /is not trusted/);
+  assert.equal((await list(url, ...trusted)).code, 4, 'the name does not fit');
+  assert.equal((await list(named, '--ca-file', 'nowhere.pem')).code, 2);
 });

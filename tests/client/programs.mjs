@@ -61,7 +61,7 @@ export async function startServer(t, folder, args = []) {
     server.child.kill('SIGTERM');
     await server.ended;
   });
-  const found = await until(() => /listening on (http:\/\/\S+)/.exec(server.said()),
+  const found = await until(() => /listening on (https?:\/\/\S+)/.exec(server.said()),
     'the server did not start');
   return {...server, url: found[1]};
 }
