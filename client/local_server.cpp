@@ -105,6 +105,7 @@ Outcome<LocalServer> LocalServer::start(const std::string& program, std::size_t 
                                    "--admin-listen=off", "--workers=" + std::to_string(workers),
                                    "--threads-per-job=" + std::to_string(threads)};
     std::vector<char*> arguments;
+    arguments.reserve(texts.size() + 1);
     for (std::string& text : texts) arguments.push_back(text.data());
     arguments.push_back(nullptr);
     const std::vector<char*> environment = cleanEnvironment();

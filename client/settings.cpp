@@ -69,6 +69,7 @@ std::vector<CLI::Option*> configurable(CLI::App& app) {
 
 std::vector<std::string> namesOf(const std::vector<CLI::Option*>& options) {
     std::vector<std::string> names;
+    names.reserve(options.size());
     for (const CLI::Option* option : options) names.push_back(option->get_lnames().front());
     return names;
 }
