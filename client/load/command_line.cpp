@@ -143,6 +143,8 @@ void addOthers(CLI::App& app, LoadOptions& options) {
     stub->add_option("--body", options.bodySize, "Bytes of an answer")
         ->capture_default_str()
         ->check(CLI::Range(0, 60000));
+    stub->add_option("--work", options.workMicroseconds, "Microseconds of work for each answer")
+        ->check(CLI::Range(0, 1'000'000));
     stub->add_option("--stall-at", options.stallAt, "Stand still so many seconds after the start")
         ->check(CLI::Range(0.0, kMaxSeconds));
     stub->add_option("--stall-for", options.stallFor, "Seconds of standing still")

@@ -54,6 +54,7 @@ struct LoadOptions {
     SelftestPlan selftest;
     int port = 0;  ///< of stub
     std::size_t bodySize = 2;
+    int workMicroseconds = 0;
     double stallAt = 0;
     double stallFor = 0;
     std::string shell;  ///< of completions

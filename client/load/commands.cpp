@@ -246,6 +246,7 @@ LoadExit selftest(const LoadOptions& options, Console& console, Interrupt& inter
 LoadExit stub(const LoadOptions& options, Console& console, Interrupt& interrupt) {
     const StubServer server({.port = options.port,
                              .bodySize = options.bodySize,
+                             .work = std::chrono::microseconds(options.workMicroseconds),
                              .stallAt = std::chrono::duration<double>(options.stallAt),
                              .stallFor = std::chrono::duration<double>(options.stallFor)});
     if (server.port() == 0) {
@@ -261,7 +262,9 @@ LoadExit stub(const LoadOptions& options, Console& console, Interrupt& interrupt
 }  // namespace
 
 LoadExit runLoadCommand(const LoadOptions& options, Console& console, Interrupt& interrupt) {
-    prepareProcess(options.command == LoadCommand::stub ? 0 : options.nice);
+    if (options.command == LoadCommand::run || options.command == LoadCommand::search ||
+        options.command == LoadCommand::selftest)
+        prepareProcess(options.nice);
     switch (options.command) {
         case LoadCommand::run: return run(options, console, interrupt);
         case LoadCommand::search: return search(options, console, interrupt);

@@ -99,6 +99,13 @@ void StubServer::standStill() {
     std::this_thread::sleep_for(settings_.stallFor);
 }
 
+void StubServer::work() const {
+    if (settings_.work.count() == 0) return;
+    const auto end = std::chrono::steady_clock::now() + settings_.work;
+    while (std::chrono::steady_clock::now() < end) {
+    }
+}
+
 void StubServer::answer(int client) {
     std::array<char, 16384> buffer{};
     const ssize_t received = recv(client, buffer.data(), buffer.size(), 0);
@@ -114,6 +121,7 @@ void StubServer::answer(int client) {
     for (std::size_t end = rest.find("\r\n\r\n"); open && end != std::string_view::npos;
          end = rest.find("\r\n\r\n")) {
         rest.remove_prefix(end + 4);
+        work();
         const ssize_t sent = send(client, answer_.data(), answer_.size(), MSG_NOSIGNAL);
         open = sent == static_cast<ssize_t>(answer_.size());
         ++answered_;

@@ -10,8 +10,9 @@
 namespace rivage::client::load {
 
 struct StubSettings {
-    int port = 0;              ///< 0: a free one
-    std::size_t bodySize = 2;  ///< bytes of each answer
+    int port = 0;                       ///< 0: a free one
+    std::size_t bodySize = 2;           ///< bytes of each answer
+    std::chrono::microseconds work{0};  ///< processor time of each answer
     /// After so many seconds from the first request the server stands still ...
     std::chrono::duration<double> stallAt{0};
     std::chrono::duration<double> stallFor{0};  ///< ... for so long; 0: never
@@ -36,6 +37,7 @@ private:
     void admit();
     void answer(int client);
     void standStill();
+    void work() const;
 
     StubSettings settings_;
     std::string answer_;
