@@ -1,5 +1,6 @@
 #pragma once
 
+#include <CLI/App.hpp>
 #include <chrono>
 #include <cstdint>
 #include <string>
@@ -8,10 +9,6 @@
 #include "client/console.h"
 #include "client/load/selftest.h"
 
-namespace CLI {
-class App;
-}
-
 namespace rivage::client::load {
 
 enum class LoadCommand : std::uint8_t { run, search, selftest, stub, man, completions };
@@ -19,6 +16,17 @@ enum class LoadCommand : std::uint8_t { run, search, selftest, stub, man, comple
 /// A command line of `rivage-load`, as it was typed.
 struct LoadOptions {
     LoadCommand command = LoadCommand::run;
+    bool poisson = false;
+    bool seedGiven = false;
+    bool noKeepAlive = false;
+    bool ownThis = false;
+    bool json = false;
+    bool quiet = false;
+    int concurrency = 0;
+    int threads = 1;
+    int nice = -15;
+    int port = 0;  ///< of stub
+    int workMicroseconds = 0;
     std::string server;
     std::string admin;       ///< empty: /metrics is not asked for
     std::string apiKeyFile;  ///< empty: RIVAGE_API_KEY, or none
@@ -26,35 +34,24 @@ struct LoadOptions {
     std::string mix;  ///< a file; empty: the sample "island"
     std::string get;  ///< instead of a mix: GET this path
     double rate = 0;
-    bool poisson = false;
-    int concurrency = 0;
     std::string replay;
     double duration = 10;
     double warmup = 1;
     std::string slo;
-    int threads = 1;
     std::uint64_t seed = 1;
-    bool seedGiven = false;
     std::string out;
     double verify = 0.05;
     std::vector<int> pins;
     std::size_t connections = 1000;
     double timeout = 30;
-    bool noKeepAlive = false;
-    int nice = -15;
     std::uint64_t maxRequests = 10'000'000;
-    bool ownThis = false;
-    bool json = false;
-    bool quiet = false;
     double from = 0;  ///< of search
     double precision = 0.05;
     double window = 5;
     double maxErrors = 0.001;
     std::vector<double> curve{0.5, 1, 2, 3};
     SelftestPlan selftest;
-    int port = 0;  ///< of stub
-    std::size_t bodySize = 2;
-    int workMicroseconds = 0;
+    std::size_t bodySize = 2;  ///< of stub
     double stallAt = 0;
     double stallFor = 0;
     std::string shell;  ///< of completions
