@@ -12,6 +12,8 @@ constexpr const char* kEraseBelow = "\r\x1b[J";
 constexpr int kWidestBar = 40;
 constexpr int kNarrowestBar = 8;
 constexpr int kMostLines = 10;
+/// Room for the longest words beside a bar, so that it does not change its width as they do.
+constexpr int kWordsWidth = 42;
 
 std::string formatted(const char* format, double value) {
     char text[64];
@@ -24,6 +26,15 @@ std::string bar(double fraction, int width) {
     std::string text(full, '#');
     text.resize(static_cast<std::size_t>(width), '.');
     return "[" + text + "]";
+}
+
+/// The end of a name that is too long: of a path, the file.
+std::string shortened(const std::string& name, int most) {
+    const auto kept = static_cast<std::size_t>(std::max(most - 3, 8));
+    if (name.size() <= kept + 3) return name;
+    std::size_t from = name.size() - kept;
+    while (from < name.size() && (name[from] & 0xC0) == 0x80) ++from;  // not inside a character
+    return "..." + name.substr(from);
 }
 
 std::string phase(const JobProgress& progress) {
@@ -110,10 +121,11 @@ std::string ProgressBoard::text(const Line& line) const {
     const std::chrono::duration<double> time = Clock::now() - line.start;
     const std::string words = formatted(" %.0f %% ", 100 * fraction) + phase(line.progress) +
                               formatted(" %.1f s", time.count());
-    const int left = console_.width - static_cast<int>(line.name.size() + words.size()) - 4;
-    std::string text = line.name + words;
-    if (left >= kNarrowestBar)
-        text = line.name + " " + bar(fraction, std::min(left, kWidestBar)) + words;
+    const std::string name = shortened(line.name, console_.width / 3);
+    const int left = console_.width - static_cast<int>(name.size()) - kWordsWidth;
+    std::string text = name;
+    if (left >= kNarrowestBar) text += " " + bar(fraction, std::min(left, kWidestBar));
+    text += words;
     // A line that wraps would be two, and could not be erased as one.
     text.resize(std::min(text.size(), static_cast<std::size_t>(std::max(console_.width - 1, 1))));
     return text;

@@ -87,6 +87,30 @@ TEST_CASE("progress: a bar with stage, percent and energy, gone at its end") {
           std::vector<std::string>{"house.vox -> house.glb", ""});
 }
 
+TEST_CASE("progress: a long path leaves room for the bar, which keeps its width") {
+    Terminal terminal;
+    terminal.console.width = 80;
+    ProgressBoard board(terminal.console, false, 1);
+    const std::size_t line = board.begin("/a/very/long/path/to/the/models/of/a/game/house.vox");
+    std::vector<std::size_t> ends;
+    for (const double energy : {1.0, 123456.0}) {
+        board.update(line, {.state = "running",
+                            .stage = "solve",
+                            .fraction = 0.5,
+                            .queuePosition = {},
+                            .energy = energy,
+                            .step = 4});
+        const Screen screen(terminal.err.str());
+        REQUIRE(screen.rows.size() == 1);
+        CHECK(screen.rows[0].starts_with("..."));
+        CHECK(screen.rows[0].find("game/house.vox [") != std::string::npos);
+        ends.push_back(screen.rows[0].find(']'));
+        CHECK(screen.rows[0].size() < 80);
+    }
+    CHECK(ends[0] != std::string::npos);
+    CHECK(ends[0] == ends[1]);
+}
+
 TEST_CASE("progress: what is said stays above the bars of several files") {
     Terminal terminal;
     {
