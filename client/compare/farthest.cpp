@@ -30,7 +30,7 @@ public:
         const Triangle& corners = piece.corners;
         const Vector3d middle = (corners[0] + corners[1] + corners[2]) / 3;
         tree_.closest(middle, search_);
-        const double distance = std::sqrt(search_.distance2);
+        const double distance = withoutRounding(std::sqrt(search_.distance2));
         if (distance > found.distance) {
             found.distance = distance;
             found.at = middle;
@@ -71,7 +71,11 @@ private:
         for (const Vector3d& corner : corners)
             distance2 =
                 std::max(distance2, (closestOnTriangle(corner, other) - corner).squaredNorm());
-        return std::sqrt(distance2);
+        return withoutRounding(std::sqrt(distance2));
+    }
+
+    [[nodiscard]] double withoutRounding(double distance) const {
+        return distance <= settings_.zero ? 0 : distance;
     }
 
     const Surface& b_;

@@ -48,6 +48,15 @@ TEST_SUITE("client/compare") {
         CHECK(exitOf(*json) == ExitCode::ok);
     }
 
+    TEST_CASE("regression: rounding was a distance, and made --max-distance 0 fail on one file") {
+        const std::string bytes = plainGlb({ball({0.3F, 0.7F, -0.1F}, 1.7F, 24)}).bytes();
+        const auto json = compareAssets(bytes, bytes, {.voxelSize = 0.1, .maxDistance = 0});
+        REQUIRE(json);
+        CHECK((*json)["distance"]["max"]["meters"] == 0);
+        CHECK((*json)["distance"]["a_to_b"]["meters"]["max_at_most"] == 0);
+        CHECK(exitOf(*json) == ExitCode::ok);
+    }
+
     TEST_CASE("compareAssets: distances in metres and in voxels of the report") {
         const Json json = compared({plane(4, 4, 0)}, {plane(4, 4, 0.25F)});
         CHECK(kindOf(json) == "different");
