@@ -73,13 +73,16 @@ export async function drive(build, seconds = 10, filter = () => true, least = 20
   const problems = [];
   const late = [];
   const quiet = {name: '(none)', growth: 64, allow: [], run: async () => []};
-  for (const attack of [quiet, ...attacks(seconds)].filter(filter)) {
-    const result = await carryOut(build, attack, probe, least);
-    rows.push(result.row);
-    problems.push(...result.problems);
-    late.push(...result.late);
+  try {
+    for (const attack of [quiet, ...attacks(seconds)].filter(filter)) {
+      const result = await carryOut(build, attack, probe, least);
+      rows.push(result.row);
+      problems.push(...result.problems);
+      late.push(...result.late);
+    }
+  } finally {
+    probe.close();
   }
-  probe.close();
   return {problems, late, tables: [table(kHead, rows)], figures: {'attacks': rows.length - 1}};
 }
 

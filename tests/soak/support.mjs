@@ -78,7 +78,9 @@ export class Server {
   }
 
   async started() {
-    await until(() => /listening on (\S+)/.test(this.log) || this.child.exitCode !== null);
+    // The address is said before the process, and each may come alone.
+    const saysAll = () => [/listening on \S+/, / started pid=\d+/].every((line) => line.test(this.log));
+    await until(() => saysAll() || this.child.exitCode !== null);
     this.url = /listening on (\S+)/.exec(this.log)?.[1];
     if (!this.url) throw new Error(`the server did not start:\n${this.log}`);
     return this;
