@@ -5,8 +5,10 @@
 #include <unistd.h>
 #include <atomic>
 #include <filesystem>
+#include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 
 namespace rivage::client {
 
@@ -66,7 +68,17 @@ struct FakeJobs {
     std::atomic<int> polls{0};
     std::atomic<int> deletes{0};
     httplib::Request lastPost;
+    mutable std::mutex mutex;  ///< of all but the counts, while requests may come
 
+    void become(std::string nextState, std::string nextError = "null") {
+        const std::lock_guard lock(mutex);
+        state = std::move(nextState);
+        error = std::move(nextError);
+    }
+    [[nodiscard]] std::string lastBody() const {
+        const std::lock_guard lock(mutex);
+        return lastPost.body;
+    }
     [[nodiscard]] std::string job() const {
         return R"({"id":")" + id + R"(","state":")" + state +
                R"(","stage":"solve","progress":0.5,)" + R"("queue_position":null,"report":)" +
@@ -75,6 +87,7 @@ struct FakeJobs {
     void addTo(httplib::Server& server) {
         server.Post("/v1/jobs",
                     [this](const httplib::Request& request, httplib::Response& response) {
+                        const std::lock_guard lock(mutex);
                         ++posts;
                         lastPost = request;
                         response.status = 202;
@@ -82,10 +95,12 @@ struct FakeJobs {
                     });
         const std::string path = "/v1/jobs/" + id;
         server.Get(path, [this](const httplib::Request&, httplib::Response& response) {
+            const std::lock_guard lock(mutex);
             ++polls;
             response.set_content(job(), "application/json");
         });
         server.Get(path + "/result", [this](const httplib::Request&, httplib::Response& response) {
+            const std::lock_guard lock(mutex);
             response.set_content(result, "model/gltf-binary");
         });
         server.Delete(path, [this](const httplib::Request&, httplib::Response& response) {

@@ -69,7 +69,7 @@ TEST_CASE("watch: all once, then what changes, by whatever way an editor writes"
     writeFile(watched.folder / "in/.a.vox.tmp", "renamed into place");
     std::filesystem::rename(watched.folder / "in/.a.vox.tmp", watched.folder / "in/a.vox");
     REQUIRE(watched.converted(3));
-    CHECK(watched.jobs.lastPost.body == "renamed into place");
+    CHECK(watched.jobs.lastBody() == "renamed into place");
 
     writeFile(watched.folder / "in/new.vox", "new");
     REQUIRE(watched.converted(4));
@@ -91,12 +91,11 @@ TEST_CASE("watch: all once, then what changes, by whatever way an editor writes"
 
 TEST_CASE("watch: goes on after a conversion that failed, and after a plan that cannot be") {
     WatchedFolder watched;
-    watched.jobs.state = "failed";
-    watched.jobs.error = R"({"title":"It is bad","status":422})";
+    watched.jobs.become("failed", R"({"title":"It is bad","status":422})");
     watched.start();
     REQUIRE(watched.converted(1));
     CHECK(watched.postsLater() == 1);  // not again until it changes
-    watched.jobs.state = "succeeded";
+    watched.jobs.become("succeeded");
     writeFile(watched.folder / "in/a.npy", "two for one result");
     CHECK(watched.postsLater() == 1);
     std::filesystem::remove(watched.folder / "in/a.npy");
@@ -112,7 +111,7 @@ TEST_CASE("watch: goes on after a conversion that failed, and after a plan that 
 
 TEST_CASE("watch: a stop in the middle of a conversion cancels it") {
     WatchedFolder watched;
-    watched.jobs.state = "running";
+    watched.jobs.become("running");
     watched.start();
     REQUIRE(WatchedFolder::comes([&] { return watched.jobs.polls > 0; }));
     watched.stop();
