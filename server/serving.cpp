@@ -166,13 +166,15 @@ core::Result<void> Server::loadKeys() {
     return {};
 }
 
-/// Says where it listens; to programs that wait for it, once and not after each restart.
+/// Says where it listens; to programs that wait for it, once and not after each restart. With a
+/// log of JSON every line is JSON, and the line "started" says it.
 void Server::announce() const {
     const Settings& settings = serving_.settings;
     std::string url = serving_.http.address.url();
     if (tls_ && url.starts_with("http:")) url.insert(4, "s");
     if (serving_.admin) logInfo("admin", {{"address", serving_.admin->address.url()}});
-    if (service_.restarts == 0) std::cout << "listening on " << url << std::endl;
+    if (service_.restarts == 0 && settings.logFormat == LogFormat::text)
+        std::cout << "listening on " << url << std::endl;
     logInfo("started", {{"pid", ::getpid()},
                         {"restarts", service_.restarts},
                         {"address", url},

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <map>
 
+#include "server/http/probe.h"
 #include "server/keys/api_keys.h"
 #include "server/ops/machine.h"
 #include "server/ops/settings.h"
@@ -28,6 +29,11 @@ public:
         app_.add_flag("--hash-key{caller}", hashKey_,
                       "read a key from stdin, print its line for --api-keys, as --hash-key=NAME")
             ->configurable(false);
+        app_.add_option("--probe", question_,
+                        "ask the admin port of a running server whether it is live, ready or "
+                        "started; the exit code is 0 if it is")
+            ->check(CLI::IsMember({"live", "ready", "started"}))
+            ->configurable(false);
         addAddresses();
         addAccess();
         addConnections();
@@ -40,6 +46,7 @@ public:
     [[nodiscard]] bool printConfig() const { return printConfig_; }
 
     [[nodiscard]] const std::string& hashKey() const { return hashKey_; }
+    [[nodiscard]] const std::string& question() const { return question_; }
 
     /// After parsing: what could be stored only when all of it was there.
     void finish() {
@@ -224,6 +231,7 @@ private:
     std::map<std::string, std::vector<std::string>*> lists_;
     bool printConfig_ = false;
     std::string hashKey_;
+    std::string question_;
 };
 
 Settings machineDefaults() {
@@ -260,6 +268,14 @@ CommandLine hashKey(CommandLine line, const std::string& name) {
     return line;
 }
 
+/// Before the settings are checked as a whole: whoever asks need not be able to serve.
+CommandLine answerProbe(CommandLine line, const std::string& question) {
+    const auto asked = probe(line.settings.adminListen, question);
+    if (!asked) std::cerr << asked.error().message << '\n';
+    line.exitCode = asked ? 0 : 1;
+    return line;
+}
+
 }  // namespace
 
 CommandLine readCommandLine(int count, const char* const* arguments) {
@@ -272,6 +288,7 @@ CommandLine readCommandLine(int count, const char* const* arguments) {
         line.exitCode = code == 0 ? 0 : 2;
         return line;
     }
+    if (!flags.question().empty()) return answerProbe(std::move(line), flags.question());
     if (!flags.hashKey().empty()) return hashKey(std::move(line), flags.hashKey());
     flags.finish();
     if (const std::string mistake = unknownVariable(environment(), flags.variables());

@@ -146,7 +146,7 @@ export class Server {
 
   async start() {
     this.#spawn();
-    const [, url] = await this.until(() => /listening on (http\S+)/.exec(this.#out), 'address');
+    const {address: url} = await this.logged((line) => line.event === 'started', 'address');
     const admin = await this.logged((line) => line.event === 'admin', 'admin address');
     this.address = {host: '127.0.0.1', port: portOf(url)};
     this.adminAddress = {host: '127.0.0.1', port: portOf(admin.address)};
