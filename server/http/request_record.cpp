@@ -46,6 +46,7 @@ RequestRecord recordOf(const httplib::Request& request, const httplib::Response&
     record.spanId = trace.spanId;
     record.parentSpan = trace.parentId;
     record.caller = callerOf(response).name;
+    record.client = request.remote_addr;
     record.method = request.method;
     record.route = route;
     record.status = response.status;

@@ -15,6 +15,7 @@ struct RequestRecord {
     std::string spanId;
     std::string parentSpan;  ///< empty if the trace began here
     std::string caller;      ///< name of the key; empty without keys
+    std::string client;      ///< IP address, as a trusted proxy tells it; empty on a Unix socket
     std::string method;
     std::string route;  ///< of the table, or "-"
     int status = 0;

@@ -78,6 +78,7 @@ proto::Json requestFacts(const RequestRecord& record) {
                       {"span", record.spanId},
                       {"parent_span", record.parentSpan},
                       {"caller", record.caller},
+                      {"client", record.client},
                       {"method", record.method},
                       {"route", record.route},
                       {"status", record.status},

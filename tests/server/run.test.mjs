@@ -1,6 +1,7 @@
 // The server program with the fake engine, from its start to its end. RIVAGE_BUILD names the folder
 // of the build.
 import assert from 'node:assert/strict';
+import {spawnSync} from 'node:child_process';
 import {existsSync} from 'node:fs';
 import {join} from 'node:path';
 import test from 'node:test';
@@ -103,4 +104,28 @@ test('a job that ignores its deadline costs the process, not the service', async
   const job = jsonOf(await request(server.url + headers.location));
   assert.equal(job.state, 'failed');
   assert.match(job.error.type, /deadline-exceeded|poison/);
+});
+
+test('X-Forwarded-For counts from a trusted proxy only, and is in the log', async (t) => {
+  for (const [args, client] of [[[], '127.0.0.1'], [['--trusted-proxy', '127.0.0.1'], '203.0.113.7']]) {
+    const server = await start(t, args);
+    await request(`${server.url}/version`, {headers: {'X-Forwarded-For': '203.0.113.7'}});
+    await until(() => server.log.includes(' request '));
+    assert.match(server.log, new RegExp(` request .*client=${client} `));
+    assert.equal(await server.stop(), 0);
+  }
+});
+
+test('--probe asks the admin port that the settings name, and says what is wrong', async (t) => {
+  const server = await start(t, ['--drain-delay', '20s']);
+  const probe = (question, admin = new URL(server.adminUrl).host) => spawnSync(server.child.spawnfile,
+    ['--probe', question], {env: {RIVAGE_ADMIN_LISTEN: admin}, encoding: 'utf8'});
+  for (const question of ['live', 'ready', 'started']) assert.equal(probe(question).status, 0, question);
+  server.child.kill('SIGTERM');
+  await until(() => server.log.includes(' draining '));
+  assert.equal(probe('live').status, 0);
+  assert.equal(probe('ready').status, 1);
+  assert.match(probe('ready').stderr, /problems\/draining/);
+  assert.match(probe('live', 'off').stderr, /nothing to ask/);
+  assert.equal(probe('well').status, 2);
 });

@@ -64,6 +64,7 @@ TEST_CASE("record: trace, caller, route, times and bytes of a request") {
     CHECK(first.parentSpan == "b7ad6b7169203331");
     CHECK(first.spanId.size() == 16);
     CHECK(first.caller == "anna");
+    CHECK(first.client == "127.0.0.1");
     CHECK(first.route == "/v1/regularize");
     CHECK(first.outcome == "ok");
     CHECK(first.problem.empty());

@@ -28,7 +28,7 @@ TEST_CASE("log: the line of a request has these names and types, in JSON") {
         logLine(LogFormat::json, "info", "request", requestFacts(someRecord())), "");
     REQUIRE(line);
     for (const char* name : {"time", "level", "event", "id", "trace_id", "span", "parent_span",
-                             "caller", "method", "route", "outcome", "problem"}) {
+                             "caller", "client", "method", "route", "outcome", "problem"}) {
         CAPTURE(name);
         REQUIRE(line->contains(name));
         CHECK((*line)[name].is_string());
@@ -41,7 +41,7 @@ TEST_CASE("log: the line of a request has these names and types, in JSON") {
     CHECK((*line)["ms"] == 1.235);
     CHECK((*line)["event"] == "request");
     CHECK_FALSE(line->contains("job"));
-    CHECK(line->size() == 18);
+    CHECK(line->size() == 19);
 }
 
 TEST_CASE("log: nothing that a client sends can forge a line or a fact") {
