@@ -1,6 +1,6 @@
 // A Docker engine: the one that answers, or Debian's, started here with folders of its own.
 import {spawn} from 'node:child_process';
-import {existsSync, mkdirSync, mkdtempSync, openSync, readFileSync, rmSync} from 'node:fs';
+import {existsSync, mkdirSync, mkdtempSync, openSync, readFileSync} from 'node:fs';
 import {homedir, tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {docker, run, sleep} from './docker.mjs';
@@ -15,15 +15,19 @@ const answers = async () => (await docker(['info', '--format', '{{.ServerVersion
 // No engine can run here; the message says why.
 export class NoEngine extends Error {}
 
-// What starts a program as root.
-export const asRoot = process.getuid() === 0 ? [] : ['sudo', '-n'];
+const asRoot = (...words) => process.getuid() === 0 ? words : ['sudo', '-n', ...words];
+
+// Runs a program as root; like `run`.
+export function runAsRoot(words, options) {
+  const [program, ...args] = asRoot(...words);
+  return run(program, args, options);
+}
 
 async function checkMeans() {
   if (process.platform !== 'linux') throw new NoEngine('there is no engine, and only Linux can start one');
   if ((await run('docker', ['--version']).catch(() => ({code: 1}))).code !== 0)
     throw new NoEngine('there is no docker command');
-  const [program, ...rest] = [...asRoot, 'dockerd', '--version'];
-  if ((await run(program, rest).catch(() => ({code: 1}))).code !== 0)
+  if ((await runAsRoot(['dockerd', '--version']).catch(() => ({code: 1}))).code !== 0)
     throw new NoEngine('no engine answers, and dockerd cannot be started: it needs Debian\'s docker.io, and root or sudo');
 }
 
@@ -47,10 +51,10 @@ export class Engine {
     const log = join(cache, 'engine', 'log');
     const words = openSync(log, 'w');
     process.env.DOCKER_HOST = `unix://${this.folder}/socket`;
-    const [program, ...args] = [...asRoot, 'dockerd', '--data-root', join(cache, 'engine', 'data'),
+    const [program, ...args] = asRoot('dockerd', '--data-root', join(cache, 'engine', 'data'),
       '--exec-root', join(this.folder, 'exec'), '--pidfile', this.pidFile,
       '--host', process.env.DOCKER_HOST, '--group', String(process.getgid()),
-      '--bridge=none', '--iptables=false', '--ip-masq=false'];
+      '--bridge=none', '--iptables=false', '--ip-masq=false');
     const child = spawn(program, args, {stdio: ['ignore', words, words], detached: true});
     this.ended = new Promise((done) => child.on('exit', done).on('error', done));
     let over = false;
@@ -67,11 +71,10 @@ export class Engine {
   async stop() {
     if (!this.own) return;
     if (existsSync(this.pidFile)) {
-      const pid = readFileSync(this.pidFile, 'utf8').trim();
-      const [program, ...args] = [...asRoot, 'kill', pid];
-      await run(program, args);
+      await runAsRoot(['kill', readFileSync(this.pidFile, 'utf8').trim()]);
       await this.ended;
     }
-    rmSync(this.folder, {recursive: true, force: true});
+    // It leaves the mount of its own network namespace behind.
+    await runAsRoot(['bash', '-c', `umount -q '${this.folder}'/exec/netns/*; rm -rf '${this.folder}'`]);
   }
 }

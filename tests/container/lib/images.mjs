@@ -3,8 +3,8 @@ import {createWriteStream, existsSync, mkdirSync, mkdtempSync, readdirSync, read
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {fileURLToPath} from 'node:url';
-import {docker, inspect, must, run} from './docker.mjs';
-import {asRoot} from './engine.mjs';
+import {docker, inspect, must} from './docker.mjs';
+import {runAsRoot} from './engine.mjs';
 
 export const root = fileURLToPath(new URL('../../../', import.meta.url));
 export const image = (name) => `rivage-test/${name}`;
@@ -42,11 +42,9 @@ export class Images {
       done >'${folder}/etc/apt/sources.list'
       rm -rf '${folder}'/var/cache/apt/archives/*.deb '${folder}'/var/lib/apt/lists/*
       tar -C '${folder}' -cf '${folder}.tar' .`;
-    const [program, ...args] = [...asRoot, 'bash', '-euc', script];
-    const made = await run(program, args, {log: this.log});
+    const made = await runAsRoot(['bash', '-euc', script], {log: this.log});
     if (made.code === 0) await must(['import', `${folder}.tar`, image('base')]);
-    const [remove, ...rest] = [...asRoot, 'rm', '-rf', folder, `${folder}.tar`];
-    await run(remove, rest);
+    await runAsRoot(['rm', '-rf', folder, `${folder}.tar`]);
     if (made.code !== 0) throw new Error(`debootstrap failed: ${made.errors.slice(-500)}`);
   }
 
@@ -55,7 +53,7 @@ export class Images {
     if ((await docker(['image', 'inspect', image('bare')])).code === 0) return;
     const script = `cd /; { find lib lib64 -maxdepth 0 -type l
       dpkg -L libc6 libgcc-s1 libstdc++6 | grep -E '\\.so(\\.|$)|/ld-' | sed 's|^/||'; } >/tmp/list
-      tar -cf - -T /tmp/list --no-recursion`;
+      tar --no-recursion -cf - -T /tmp/list`;
     const tar = await must(['run', '--rm', '--network', 'none', image('base'), 'bash', '-euc', script]);
     await must(['import', '-', image('bare')], {input: tar.out});
   }
