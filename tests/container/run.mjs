@@ -1,7 +1,8 @@
 #!/usr/bin/env node
-// node tests/container/run.mjs [--faults] [--clean] [PATTERN]: builds the images and runs the scenarios
-// whose name contains PATTERN, in containers. With --faults each has a fault put into it, and must fail.
-// --clean removes the images instead. Exit code 77 where no engine can run.
+// node tests/container/run.mjs [--faults] [--soak=MINUTES] [--clean] [PATTERN]: builds the images and
+// runs the scenarios whose name contains PATTERN, in containers. With --faults each has a fault put into
+// it, and must fail. --soak runs the one long scenario, --clean removes the images instead. Exit code 77
+// where no engine can run.
 import {Engine, NoEngine} from './lib/engine.mjs';
 import {Images} from './lib/images.mjs';
 import {World} from './lib/world.mjs';
@@ -11,11 +12,13 @@ import jobs from './scenarios/jobs.mjs';
 import life from './scenarios/life.mjs';
 import limits from './scenarios/limits.mjs';
 import network from './scenarios/network.mjs';
+import {soak} from './scenarios/soak.mjs';
 
 const flags = process.argv.slice(2).filter((word) => word.startsWith('--'));
 const [pattern = ''] = process.argv.slice(2).filter((word) => !word.startsWith('--'));
-const scenarios = [...image, ...jobs, ...limits, ...life, ...network, ...compose]
-  .filter(({name}) => name.includes(pattern));
+const minutes = Number(flags.find((flag) => flag.startsWith('--soak='))?.slice('--soak='.length));
+const scenarios = minutes > 0 ? [soak(minutes)]
+  : [...image, ...jobs, ...limits, ...life, ...network, ...compose].filter(({name}) => name.includes(pattern));
 const seconds = (since) => ((Date.now() - since) / 1000).toFixed(1);
 const count = {passed: 0, failed: 0, skipped: 0};
 let current;
