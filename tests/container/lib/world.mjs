@@ -122,9 +122,17 @@ class Server {
     return Number(words) * 1024;
   }
 
-  // Delays or loses packets of this container; without words, no longer.
-  async network(words) {
-    const command = words ? `tc qdisc replace dev eth0 root netem ${words}` : 'tc qdisc del dev eth0 root';
-    await this.world.beside(this.name, 'network', command, ['--cap-add', 'NET_ADMIN', '--user', '0']);
+  // What happens to the packets of this container from now on. A narrow link and rules that drop, since
+  // not every kernel has netem.
+  #network(...commands) {
+    return this.world.beside(this.name, 'network', commands.join('; '),
+      ['--cap-drop', 'ALL', '--cap-add', 'NET_ADMIN', '--cap-add', 'NET_RAW', '--user', '0']);
   }
+  slow() {
+    const drop = '-m statistic --mode random --probability 0.05 -j DROP';
+    return this.#network('tc qdisc add dev eth0 root tbf rate 512kbit burst 8kb latency 2s',
+      `iptables -A INPUT -i eth0 ${drop}`, `iptables -A OUTPUT -o eth0 ${drop}`);
+  }
+  cut() { return this.#network('iptables -I INPUT -i eth0 -j DROP', 'iptables -I OUTPUT -o eth0 -j DROP'); }
+  mend() { return this.#network('iptables -F'); }
 }

@@ -14,7 +14,12 @@ async function allThere(world, server, {accepted}) {
   assert.deepEqual(await world.ask('jobs', {url: server.url, check: accepted}), {succeeded: accepted.length});
 }
 
-const load = (world, server, milliseconds) => world.ask('jobs', {url: server.url, post: {milliseconds}});
+// Posts jobs meanwhile. If the scenario ends before it is asked for, its failure is nobody's.
+function load(world, server, milliseconds) {
+  const found = world.ask('jobs', {url: server.url, post: {milliseconds}});
+  found.catch(() => {});
+  return found;
+}
 
 export default [
   {
@@ -96,7 +101,7 @@ export default [
       await sleep(1500);
       // Not by the engine, which would take that for the wish of its user.
       const pid = await inspect(server.name, '.State.Pid');
-      await must(['run', '--rm', '--pid', 'host', '--privileged', ...world.all.flags, image('test'),
+      await must(['run', '--rm', '--pid', 'host', '--user', '0', ...world.all.flags, image('test'),
         'bash', '-c', `kill -9 ${pid}`]);
       await until(async () => await inspect(server.name, '.RestartCount') === 1, 'it was started again');
       await server.ready();

@@ -1,37 +1,48 @@
 // Networks that are slow or cut, and nginx with TLS in front.
 import assert from 'node:assert/strict';
 import {must, sleep, until} from '../lib/docker.mjs';
+import {readGlb} from '../lib/glb.mjs';
 import {image} from '../lib/images.mjs';
 
 
 
+// Starts a conversion over a slow link, and waits until the server has its job.
+async function convertSlowly(world, server, seconds) {
+  const grid = await world.sample();
+  await server.slow();
+  const client = world.client(['--timeout', String(seconds), 'regularize', '-', '-o', '-'], {input: grid});
+  await until(async () => (await server.log()).some(({event}) => event === 'job'), 'a job', seconds * 1000);
+  return {client};
+}
+
+// The client got all of it.
+async function checkWhole({client}) {
+  const {code, out, errors} = await client;
+  assert.equal(code, 0, `exit code ${code}: ${errors}`);
+  assert.ok(readGlb(out).triangles > 1000);
+}
+
 export default [
   {
-    name: 'network: 100 ms late, 5 % of the packets lost: slow, but all of it',
+    name: 'network: 512 kbit/s, 5 % of the packets lost in each direction: slow, but all of it',
     fault: 'all packets lost',
     async run(world, broken) {
       const server = await world.server();
-      const grid = await world.sample();
-      await server.network(broken ? 'loss 100%' : 'delay 100ms 20ms loss 5%');
-      const {code, errors} = await world.client(['--timeout', broken ? '10' : '100', 'regularize', '-', '-o', '-'],
-        {input: grid});
-      assert.equal(code, 0, `exit code ${code}: ${errors}`);
+      const converted = await convertSlowly(world, server, broken ? 15 : 100);
+      if (broken) await server.cut();
+      await checkWhole(converted);
     },
   },
   {
-    name: 'network: cut for five seconds in the middle of a job: the client goes on',
+    name: 'network: cut for five seconds while a result comes: the client goes on',
     fault: 'it stays cut',
     async run(world, broken) {
       const server = await world.server();
-      const grid = await world.sample();
-      await server.network('delay 300ms');
-      const client = world.client(['--timeout', broken ? '15' : '60', 'regularize', '-', '-o', '-'], {input: grid});
-      await until(async () => (await server.log()).some(({event}) => event === 'request'), 'a request of the client');
-      await server.network('loss 100%');
+      const converted = await convertSlowly(world, server, broken ? 15 : 100);
+      await server.cut();
       await sleep(5000);
-      if (!broken) await server.network();
-      const {code, errors} = await client;
-      assert.equal(code, 0, `exit code ${code}: ${errors}`);
+      if (!broken) await server.mend();
+      await checkWhole(converted);
     },
   },
   {
@@ -39,15 +50,11 @@ export default [
     fault: 'it does not come back',
     async run(world, broken) {
       const server = await world.server();
-      const grid = await world.sample();
-      await server.network('delay 300ms');
-      const client = world.client(['--timeout', broken ? '15' : '60', 'regularize', '-', '-o', '-'], {input: grid});
-      await until(async () => (await server.log()).some(({event}) => event === 'request'), 'a request of the client');
+      const converted = await convertSlowly(world, server, broken ? 15 : 100);
       await must(['network', 'disconnect', world.id, server.name]);
       await sleep(2000);
       if (!broken) await must(['network', 'connect', '--alias', 'server', world.id, server.name]);
-      const {code, errors} = await client;
-      assert.equal(code, 0, `exit code ${code}: ${errors}`);
+      await checkWhole(converted);
     },
   },
   {
