@@ -33,7 +33,8 @@ core::Result<void> probe(const std::string& adminListen, const std::string& ques
     auto address = parseAddress(adminListen);
     if (!address) return fail(address.error());
     if (!address->isUnix() && address->port == 0)
-        return fail(ErrorCode::invalidOption, "--admin-listen has port 0: nobody knows which it is");
+        return fail(ErrorCode::invalidOption,
+                    "--admin-listen has port 0: nobody knows which it is");
     // What listens everywhere is asked on the loopback.
     if (address->host.empty() || address->host == "0.0.0.0") address->host = "127.0.0.1";
     if (address->host == "::") address->host = "::1";

@@ -243,10 +243,11 @@ void Front::linger(Connection& connection) {
     while (connection.discarded < limits_.lingerBytes) {
         const Io io = connection.channel.discard(scratch_);
         if (io.status == IoStatus::wantRead) return arm(connection, io.status);
-        if (io.status != IoStatus::done) break;
+        if (io.status != IoStatus::done) return close(connection);
         connection.discarded += io.bytes;
     }
-    close(connection);
+    // What comes beyond waits in the kernel, which then takes no more: a client or a proxy that is
+    // held back so reads its answer, and is not reset while it writes. The deadline closes.
 }
 
 /// Answers without a handler, then closes.

@@ -27,7 +27,7 @@ struct NetLimits {
     Time stopTimeout{30000};         ///< for answers under way when the server stops
     Time farewell{200};  ///< at a stop, for a request that is on its way on an idle connection
     Time lingerTimeout{2000};           ///< for the client to close after the last answer
-    std::size_t lingerBytes = 1 << 20;  ///< thrown away meanwhile
+    std::size_t lingerBytes = 1 << 20;  ///< thrown away meanwhile; then the client is held back
     Time spin{10};  ///< a handler stays with its connection so long: the next request often comes
     Time handlerIdle{5000};              ///< then a handler thread ends
     std::size_t copiedBytes = 64 << 10;  ///< of an answer that the client has not taken yet

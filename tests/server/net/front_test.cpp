@@ -218,6 +218,24 @@ TEST_CASE("Front: an answer survives the bytes that nobody read, and no reset fo
     }
 }
 
+// A proxy that passes a large body on looks for the answer only when it cannot write.
+TEST_CASE(
+    "regression: who sends a body that is not wanted is held back, and not reset while it does") {
+    server::NetLimits limits;
+    limits.lingerBytes = 64 << 10;
+    const NetServer server(limits);
+    RawClient client(server.address);
+    REQUIRE(client.send("POST /refuse HTTP/1.1\r\nHost: x\r\nContent-Length: 1000000000\r\n\r\n"));
+    const std::string piece(std::size_t{64} << 10, 'x');
+    ssize_t sent = 0;
+    for (int i = 0; i < 4000 && sent >= 0; ++i) {
+        sent = ::send(client.fd(), piece.data(), piece.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+        if (sent < 0) CHECK(errno == EAGAIN);
+    }
+    CHECK(sent < 0);
+    CHECK(statusOf(client.readAnswer()) == 403);
+}
+
 TEST_CASE("reject: framings that smuggle requests are refused and the connection closed") {
     const NetServer server;
     const std::string hidden = "0\r\n\r\n" + get("/quick");
