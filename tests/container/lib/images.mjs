@@ -53,7 +53,7 @@ export class Images {
     if ((await docker(['image', 'inspect', image('bare')])).code === 0) return;
     // Files by the folders that they really lie in: /lib and /lib64 are links.
     const script = `cd /; { find lib lib64 -maxdepth 0 -type l
-      dpkg -L libc6 libgcc-s1 libstdc++6 | grep -E '\\.so(\\.|$)|/ld-' | sed 's|^/usr/||; s|^/||; s|^|usr/|'; } >/tmp/list
+      dpkg -L libc6 libgcc-s1 libstdc++6 | grep -E '^/(usr/)?lib.*(\\.so(\\.|$)|/ld-)' | sed 's|^/usr/||; s|^/||; s|^|usr/|'; } >/tmp/list
       tar --no-recursion -cf - -T /tmp/list`;
     const tar = await must(['run', '--rm', '--network', 'none', image('base'), 'bash', '-euc', script]);
     await must(['import', '-', image('bare')], {input: tar.out});
