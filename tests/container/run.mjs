@@ -38,7 +38,7 @@ async function play({name, fault, run}, faulty) {
     if (faulty && outcome === 'failed') words = `the fault was not noticed: ${fault}`;
   } catch (error) {
     outcome = faulty ? 'passed' : 'failed';
-    words = faulty ? `${fault} -> ${error.message.split('\n').slice(0, 3).join(' ').slice(0, 300)}` : error.stack;
+    words = faulty ? `${fault} -> ${error.message.replace(/\s+/g, ' ').slice(0, 300)}` : error.stack;
   } finally {
     await world.close();
   }
