@@ -128,9 +128,9 @@ class Server {
     return this.world.beside(this.name, 'network', commands.join('; '),
       ['--cap-drop', 'ALL', '--cap-add', 'NET_ADMIN', '--cap-add', 'NET_RAW', '--user', '0']);
   }
-  slow() {
+  slow(rate) {
     const drop = '-m statistic --mode random --probability 0.05 -j DROP';
-    return this.#network('tc qdisc add dev eth0 root tbf rate 512kbit burst 8kb latency 2s',
+    return this.#network(`tc qdisc add dev eth0 root tbf rate ${rate} burst 8kb latency 2s`,
       `iptables -A INPUT -i eth0 ${drop}`, `iptables -A OUTPUT -o eth0 ${drop}`);
   }
   cut() { return this.#network('iptables -I INPUT -i eth0 -j DROP', 'iptables -I OUTPUT -o eth0 -j DROP'); }

@@ -6,13 +6,16 @@ import {image} from '../lib/images.mjs';
 
 
 
-// Starts a conversion over a slow link, and waits until the server has its job.
-async function convertSlowly(world, server, seconds) {
+// Starts a conversion over a slow link, and waits until the server has done its job: the result, of
+// 100 kB at least, is on its way.
+async function convertSlowly(world, server, seconds, rate = '64kbit') {
   const grid = await world.sample();
-  await server.slow();
+  await server.slow(rate);
   const client = world.client(['--timeout', String(seconds), 'regularize', '-', '-o', '-'], {input: grid});
   await until(async () => (await server.log()).some(({event}) => event === 'job'), 'a job', seconds * 1000);
-  return {client};
+  const converted = {client, over: false};
+  client.then(() => { converted.over = true; });
+  return converted;
 }
 
 // The client got all of it.
@@ -28,7 +31,7 @@ export default [
     fault: 'all packets lost',
     async run(world, broken) {
       const server = await world.server();
-      const converted = await convertSlowly(world, server, broken ? 15 : 100);
+      const converted = await convertSlowly(world, server, broken ? 15 : 100, broken ? '64kbit' : '512kbit');
       if (broken) await server.cut();
       await checkWhole(converted);
     },
@@ -40,6 +43,7 @@ export default [
       const server = await world.server();
       const converted = await convertSlowly(world, server, broken ? 15 : 100);
       await server.cut();
+      assert.ok(!converted.over, 'cut in the middle');
       await sleep(5000);
       if (!broken) await server.mend();
       await checkWhole(converted);
@@ -52,6 +56,7 @@ export default [
       const server = await world.server();
       const converted = await convertSlowly(world, server, broken ? 15 : 100);
       await must(['network', 'disconnect', world.id, server.name]);
+      assert.ok(!converted.over, 'gone in the middle');
       await sleep(2000);
       if (!broken) await must(['network', 'connect', '--alias', 'server', world.id, server.name]);
       await checkWhole(converted);
