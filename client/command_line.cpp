@@ -5,13 +5,44 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "client/command_tree.h"
 #include "client/settings.h"
+#include "proto/option_table.h"
 
 namespace rivage::client {
 namespace {
+
+std::string joined(const std::vector<std::string>& words) {
+    std::string text;
+    for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+    return text;
+}
+
+void addOptionNames(const CLI::App& command, std::vector<std::string>& names) {
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& name : option->get_lnames()) names.push_back(name);
+}
+
+/// The option that was perhaps meant by the first one that neither the command has nor those above
+/// and below it.
+std::string meant(const CLI::App& command, const std::vector<std::string>& arguments) {
+    std::vector<std::string> known;
+    for (const CLI::App* app = &command; app != nullptr; app = app->get_parent())
+        addOptionNames(*app, known);
+    for (const CLI::App* below : command.get_subcommands({})) addOptionNames(*below, known);
+    for (const std::string& argument : arguments) {
+        if (!argument.starts_with("--") || argument.size() < 3) continue;
+        const std::string name = argument.substr(2, argument.find('=') - 2);
+        if (std::count(known.begin(), known.end(), name) > 0) continue;
+        const std::string near = proto::nearestName(name, known);
+        return near.empty() ? std::string() : "; did you mean --" + near + "?";
+    }
+    return {};
+}
 
 /// What is wrong with a command line that CLI11 refused, naming a command that does not exist.
 std::string complaint(const CLI::App& app, const std::vector<std::string>& arguments,
@@ -21,7 +52,8 @@ std::string complaint(const CLI::App& app, const std::vector<std::string>& argum
     const bool missing = word == arguments.end();
     std::string known;
     for (const CLI::App* command : app.get_subcommands({})) {
-        if (!missing && command->get_name() == *word) return error.what();
+        if (!missing && command->get_name() == *word)
+            return error.what() + meant(*command, arguments);
         known += (known.empty() ? "" : ", ") + command->get_name();
     }
     if (error.get_name() != "RequiredError") return error.what();
@@ -56,6 +88,28 @@ std::vector<proto::OptionText> optionsOf(Command command, const Parsed& parsed) 
     return options;
 }
 
+/// A result that is named is of the format that its name says. @return what is wrong, else empty
+std::string takeFormatOfName(const std::string& out, Parsed& parsed) {
+    std::error_code error;
+    const auto& infos = proto::optionInfos();
+    const auto info = std::find_if(infos.begin(), infos.end(),
+                                   [](const auto& option) { return option.name == "output"; });
+    std::string format = std::filesystem::path(out).extension().string();
+    if (format.size() < 2 || out.ends_with('/') || parsed.invocation.inputs.size() > 1 ||
+        (std::filesystem::exists(out, error) && !std::filesystem::is_regular_file(out, error)))
+        return {};
+    format.erase(0, 1);
+    const bool known = std::count(info->words.begin(), info->words.end(), format) > 0;
+    const auto given = parsed.options.find("output");
+    if (given == parsed.options.end() && known) parsed.options["output"] = format;
+    if (given == parsed.options.end() && !known)
+        return out + ": no result is a ." + format + ", they are " + joined(info->words) +
+               "; with --output any name will do";
+    if (given != parsed.options.end() && known && given->second != format)
+        return out + " is no name for --output " + given->second;
+    return {};
+}
+
 /// Where a value that is refused stands, if that is the file of settings.
 std::string placeOf(const core::Error& error, const Parsed& parsed,
                     const std::vector<Setting>& settings) {
@@ -79,6 +133,9 @@ CommandLine finish(const CLI::App& app, Parsed& parsed, const std::vector<Settin
     invocation.apiKey = *std::move(key);
     if (!invocation.caFile.empty() && access(invocation.caFile.c_str(), R_OK) != 0)
         return complain(console, "--ca-file: cannot read " + invocation.caFile);
+    if (invocation.command == Command::regularize)
+        if (const std::string wrong = takeFormatOfName(invocation.out, parsed); !wrong.empty())
+            return complain(console, wrong);
     invocation.options = optionsOf(invocation.command, parsed);
     if (const auto valid = proto::parseOptions(invocation.options); !valid)
         return complain(console, valid.error().message + placeOf(valid.error(), parsed, settings));

@@ -96,8 +96,9 @@ void addBatchOptions(CLI::App& command, Parsed& parsed) {
                     "Conversions at a time [2; the processors, if no server is named]")
         ->check(CLI::Range(1, 256))
         ->type_name("NUMBER");
-    command.add_flag("--if-newer", parsed.invocation.ifNewer,
-                     "Pass over inputs that are older than their results");
+    command.add_flag(
+        "--if-newer", parsed.invocation.ifNewer,
+        "Pass over inputs that are older than their results, made with the same options");
     command.add_flag("--stop-on-error", parsed.invocation.stopOnError,
                      "Begin no further conversion after the first that failed");
     command

@@ -56,9 +56,8 @@ ManPageText manualText() {
         {"rivage regularize 'models/**/*.vox' -o out --watch", "Again whenever one changes:"},
         {"rivage jobs list --state failed --server http://127.0.0.1:8080",
          "What failed at a server:"},
-        {"rivage completions bash > ~/.local/share/bash-completion/completions/rivage",
-         "Completion for bash:"}};
-    text.seeAlso = {"rivage-server(1)", "rivage-load(1)"};
+        {"source <(rivage completions bash)", "Completion in this shell, which is bash:"}};
+    text.seeAlso = {"rivage-load(1)"};
     return text;
 }
 

@@ -1,10 +1,14 @@
 #include "client/plan.h"
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <set>
 #include <system_error>
 #include <utility>
+
+#include "client/compare/glb_document.h"
 
 namespace rivage::client {
 namespace {
@@ -26,6 +30,18 @@ std::string outputOf(const InputFile& input, const std::string& out, bool intoFo
     if (out.empty()) return fs::path(input.path).replace_extension(extension).string();
     if (!intoFolder) return out;
     return (fs::path(out) / fs::path(input.below).replace_extension(extension)).string();
+}
+
+/// Whether a GLB of ours tells these options.
+bool tells(const std::string& path, const proto::Json& options) {
+    std::ifstream file(path, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    const auto document = GlbDocument::open(bytes, {});
+    if (!document) return false;
+    const proto::Json& extras = memberOf(memberOf(document->json(), "asset"), "extras");
+    const proto::Json& told = memberOf(memberOf(extras, "rivage"), "options");
+    // In the order of their names, whatever the order there.
+    return nlohmann::json(told) == nlohmann::json(options);
 }
 
 std::string normal(const std::string& path) { return fs::path(path).lexically_normal().string(); }
@@ -62,12 +78,13 @@ Outcome<std::vector<PlannedFile>> planFiles(const Inputs& inputs, const std::str
     return files;
 }
 
-bool isUpToDate(const PlannedFile& file) {
+bool isUpToDate(const PlannedFile& file, const proto::Json& options) {
     std::error_code error;
     const auto result = fs::last_write_time(file.output, error);
     if (error || !fs::is_regular_file(file.output, error)) return false;
     const auto grid = fs::last_write_time(file.input, error);
-    return !error && grid < result;
+    return !error && grid < result &&
+           (!file.output.ends_with(".glb") || tells(file.output, options));
 }
 
 }  // namespace rivage::client

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "client/inputs.h"
+#include "proto/json.h"
 
 namespace rivage::client {
 
@@ -23,7 +24,8 @@ struct PlannedFile {
 Outcome<std::vector<PlannedFile>> planFiles(const Inputs& inputs, const std::string& out,
                                             const std::string& extension);
 
-/// Whether the result is newer than its input, so that it need not be made again.
-[[nodiscard]] bool isUpToDate(const PlannedFile& file);
+/// Whether the result is newer than its input and, as far as it tells (a GLB does), was made with
+/// these options, so that it need not be made again.
+[[nodiscard]] bool isUpToDate(const PlannedFile& file, const proto::Json& options);
 
 }  // namespace rivage::client

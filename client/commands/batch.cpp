@@ -38,6 +38,11 @@ Outcome<Converted> convert(Session& session, Transport& transport, const Planned
     return converted;
 }
 
+Json optionsOf(const Invocation& invocation) {
+    const auto parsed = proto::parseOptions(invocation.options);
+    return parsed ? proto::toJson(parsed->conversion) : Json::object();
+}
+
 /// The files of a batch, and the threads that take one after the other.
 class Batch {
 public:
@@ -45,6 +50,7 @@ public:
         : session_(session),
           files_(files),
           outcomes_(files.size()),
+          options_(optionsOf(session.invocation)),
           board_(session.console, session.invocation.quiet, files.size()) {}
 
     std::vector<FileOutcome> run() {
@@ -70,7 +76,7 @@ private:
     [[nodiscard]] bool over() const { return over_ || session_.interrupt.requested(); }
 
     FileOutcome one(const PlannedFile& file) {
-        if (session_.invocation.ifNewer && isUpToDate(file)) {
+        if (session_.invocation.ifNewer && isUpToDate(file, options_)) {
             tell(file, "is up to date: " + file.output, {{"skipped", true}}, Json::object());
             return {.skipped = true};
         }
@@ -120,6 +126,7 @@ private:
     Session& session_;
     const std::vector<PlannedFile>& files_;
     std::vector<FileOutcome> outcomes_;
+    const Json options_;  ///< as a result tells them
     ProgressBoard board_;
     std::atomic<std::size_t> next_{0};
     std::atomic<bool> over_{false};

@@ -9,7 +9,8 @@ namespace rivage::client::load {
 namespace {
 
 constexpr double kAgreement = 0.1;
-constexpr std::size_t kAgreeing = 3;  // windows in a row
+constexpr std::size_t kAgreeing = 3;   // windows in a row
+constexpr std::size_t kLateSteps = 3;  // in a row: the generator will not do better
 /// The closed loop before a search: long enough to start threads and to fill caches.
 constexpr double kProbeSeconds = 3;
 constexpr int kProbeClients = 4;
@@ -145,12 +146,19 @@ SearchResult findKnee(const SearchPlan& plan, const MeasureRate& measure,
     };
     double low = 0;
     double high = 0;
-    for (double rate = plan.from; !stop() && high == 0 && rate <= plan.to; rate *= 2)
+    // What a generator says that is always late is worth nothing, and each step takes its time.
+    const auto over = [&] {
+        const auto late = [](const RatePoint& point) { return !point.result.health.valid; };
+        return stop() ||
+               (result.steps.size() >= kLateSteps &&
+                std::all_of(result.steps.rbegin(), result.steps.rbegin() + kLateSteps, late));
+    };
+    for (double rate = plan.from; !over() && high == 0 && rate <= plan.to; rate *= 2)
         (tryRate(rate) ? low : high) = rate;
     // The first rate was too much already: down, until one is kept.
-    for (double rate = plan.from / 2; !stop() && low == 0 && rate >= plan.from / 64; rate /= 2)
+    for (double rate = plan.from / 2; !over() && low == 0 && rate >= plan.from / 64; rate /= 2)
         (tryRate(rate) ? low : high) = rate;
-    while (!stop() && low > 0 && high > 0 && high - low > plan.precision * low) {
+    while (!over() && low > 0 && high > 0 && high - low > plan.precision * low) {
         const double middle = (low + high) / 2;
         (tryRate(middle) ? low : high) = middle;
     }
@@ -174,7 +182,7 @@ SearchResult runSearch(const SearchPlan& plan, Interrupt& interrupt,
         search, [&](double rate) { return measure(rate, false); }, stop);
     result.capacity = capacity;
     for (const double factor : search.curve) {
-        if (stop() || result.knee <= 0) break;
+        if (stop() || result.knee <= 0 || !result.valid) break;
         result.curve.push_back(measure(factor * result.knee, true));
     }
     result.interrupted = interrupt.requested();
@@ -190,9 +198,13 @@ LoadExit exitOf(const SearchResult& result) {
 
 std::string curveMarkdown(const SearchPlan& plan, const SearchResult& result) {
     const std::string name = percentileName(plan.slo.percent);
-    std::string text = "knee: " + numberText(result.knee, 2) + "/s with " + name +
-                       " <= " + timeText(plan.slo.limit) +
-                       " and errors <= " + numberText(100 * plan.maxErrors, 3) + " %\n\n";
+    const char* const doubt = result.knee > 0 && !result.valid
+                                  ? "not valid: the generator was late, as on a busy machine. "
+                                  : "";
+    std::string text = doubt;
+    text += "knee: " + numberText(result.knee, 2) + "/s with " + name +
+            " <= " + timeText(plan.slo.limit) +
+            " and errors <= " + numberText(100 * plan.maxErrors, 3) + " %\n\n";
     text += "| load | offered/s | goodput/s | p50 | " + name +
             " corrected | samples | refusals/s | p99 of refusals | send lag p99 |\n"
             "|---|---|---|---|---|---|---|---|---|\n";

@@ -153,13 +153,13 @@ TEST_CASE("batch: the others are converted when one fails, unless --stop-on-erro
 
 TEST_CASE("batch: --if-newer passes over what is up to date") {
     Models models;
-    const std::vector<std::string> arguments{models.folder / "in", "-o", models.folder / "out",
-                                             "--if-newer"};
+    const std::vector<std::string> arguments{
+        models.folder / "in", "-o", models.folder / "out", "--if-newer", "--output", "obj"};
     Run first;
     models.regularize(first, arguments);
     CHECK(models.mirror.posts == 4);
     namespace fs = std::filesystem;
-    const auto later = fs::last_write_time(models.folder / "out/b.glb") + 10s;
+    const auto later = fs::last_write_time(models.folder / "out/b.obj") + 10s;
     fs::last_write_time(models.folder / "in/b.vox", later);
     Run second;
     models.regularize(second, arguments);

@@ -54,6 +54,19 @@ TEST_CASE("regularize: the result lands beside the input, the report on stderr")
     CHECK(run.out.str().empty());
 }
 
+TEST_CASE("regularize: the name of the result says its format") {
+    Fixture fixture;
+    fixture.start();
+    Run run;
+    run(fixture.regularize({"-o", fixture.folder / "other.obj"}));
+    CHECK(run.code == ExitCode::ok);
+    CHECK(fixture.jobs.lastPost.get_param_value("output") == "obj");
+    Run any;
+    any(fixture.regularize({"-o", fixture.folder / "house.v2", "--output", "glb"}));
+    CHECK(any.code == ExitCode::ok);
+    CHECK(contentOf(fixture.folder / "house.v2") == fixture.jobs.result);
+}
+
 TEST_CASE("regularize: stdin to stdout") {
     Fixture fixture;
     fixture.jobs.result = std::string("\0\1glTF\n\xff", 8);
@@ -243,7 +256,9 @@ TEST_CASE("reject: a wrong command line is refused before anything is sent") {
     refused({"smooth"}, "smooth");
     refused(fixture.regularize({"--alpha", "0"}), "alpha");
     refused(fixture.regularize({"--preset", "best"}), "preset");
-    refused(fixture.regularize({"--alfa", "1"}), "--alfa");
+    refused(fixture.regularize({"--alfa", "1"}), "did you mean --alpha?");
+    refused(fixture.regularize({"-o", "house.stl"}), "no result is a .stl, they are glb, obj");
+    refused(fixture.regularize({"-o", "house.obj", "--output", "glb"}), "no name for --output glb");
     refused(fixture.regularize({fixture.folder / "missing.vox"}), "missing.vox");
     refused(fixture.regularize({"other.vox", "-o", "one.glb"}), "folder");
     refused({"regularize", "-", "--json", "--server", fixture.server.url()}, "--json");

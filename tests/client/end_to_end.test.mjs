@@ -130,6 +130,9 @@ test('a folder is converted with one command, and again only what is newer', asy
   assert.equal(lines.filter(({run}) => run.skipped).length, 3);
   assert.equal(lines.find(({run}) => run.exit === 3).run.input, 'models/broken.vox');
   assert.ok(!existsSync(join(folder, 'out/broken.glb')));
+  const other = await rivage(['regularize', 'models/**/*.vox', '-o', 'out', '--if-newer', '--preset', 'paper'],
+    {folder});
+  assert.match(other.stderr, /^3 converted, 1 failed/m, 'other options make another result');
   assert.deepEqual(readdirSync(folder).sort(), ['models', 'out'], 'nothing else is left behind');
 });
 

@@ -18,7 +18,7 @@ std::vector<Second> windows(std::initializer_list<std::pair<int, std::int64_t>> 
 }
 
 /// Looks for the knee of a server that keeps every rate up to `knee`.
-SearchResult search(double knee, double from) {
+SearchResult search(double knee, double from, bool late = false) {
     const LoadPlan load{Target(), PreparedMix{{}, {}, HeadWriter("x", "")}, ArrivalPlan()};
     SearchPlan plan{.load = load};
     plan.from = from;
@@ -28,6 +28,7 @@ SearchResult search(double knee, double from) {
         [&](double rate) {
             RatePoint point{.rate = rate};
             point.kept = rate <= knee;
+            point.result.health.valid = !late;
             return point;
         },
         [] { return false; });
@@ -49,6 +50,14 @@ TEST_SUITE("client/load") {
         CHECK(exitOf(SearchResult{.capacity = 1}) == LoadExit::missed);
         CHECK(exitOf(SearchResult{}) == LoadExit::unreachable);
         CHECK(search(1e9, 10).knee == 640);  // the highest that may be tried
+    }
+
+    TEST_CASE("search: a generator that is always late is not asked for long, nor believed") {
+        const SearchResult result = search(37, 1, true);
+        CHECK(result.steps.size() == 3);
+        CHECK_FALSE(result.valid);
+        const LoadPlan load{Target(), PreparedMix{{}, {}, HeadWriter("x", "")}, ArrivalPlan()};
+        CHECK(curveMarkdown({.load = load}, result).starts_with("not valid"));
     }
 
     TEST_CASE("search: three windows agree if the goodput and the median are within 10 %") {
