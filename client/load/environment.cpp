@@ -10,6 +10,7 @@
 #include <string_view>
 #include <thread>
 
+#include "client/load/taxonomy.h"
 #include "client/transport.h"
 
 namespace rivage::client::load {
@@ -73,8 +74,7 @@ Outcome<proto::Json> serverVersion(const ServerAccess& server, Interrupt& interr
         if (absent) return tl::unexpected(answer.error());
         return proto::Json();
     }
-    proto::Json version = proto::Json::parse(answer->body, nullptr, false);
-    return version.is_object() ? version : proto::Json();
+    return readAnswer(answer->body);
 }
 
 void prepareProcess(int nice) {

@@ -37,6 +37,8 @@ ServerTimes readServerTiming(std::string_view field) {
 std::int64_t fromMilliseconds(double value) { return static_cast<std::int64_t>(value * 1000); }
 
 constexpr std::chrono::milliseconds kSettlePause{5};
+/// The class of answers that say nothing we know.
+constexpr const char* kNotUnderstood = "not-understood";
 
 }  // namespace
 
@@ -174,17 +176,15 @@ void JobFlow::readEvents() {
     const std::size_t done = text.rfind("event: done\ndata: ");
     if (done == std::string::npos) return finish(Ending::failed, "events without an end");
     const std::size_t begin = done + 18;
-    const std::string document = text.substr(begin, text.find('\n', begin) - begin);
-    const auto job = proto::Json::parse(document, nullptr, false);
-    stateKnown(job.is_object() ? textOf(job, "state") : "", document);
+    const std::string_view document =
+        std::string_view(text).substr(begin, text.find('\n', begin) - begin);
+    stateKnown(readAnswer(document));
 }
 
-void JobFlow::readState() {
-    const auto job = proto::Json::parse(answer.body(), nullptr, false);
-    stateKnown(job.is_object() ? textOf(job, "state") : "", answer.body());
-}
+void JobFlow::readState() { stateKnown(readAnswer(answer.body())); }
 
-void JobFlow::stateKnown(std::string_view state, std::string_view document) {
+void JobFlow::stateKnown(const proto::Json& job) {
+    const std::string state = textOf(job, "state");
     if (state == "succeeded") return request(Step::result, "GET", job_ + "/result");
     if (state == "canceled") return finish(Ending::failed, "job-canceled");
     if (state == "queued" || state == "running") {
@@ -193,10 +193,8 @@ void JobFlow::stateKnown(std::string_view state, std::string_view document) {
         const auto pause = polls ? prepared.entry.pollEvery : std::chrono::milliseconds(1);
         return host.wake(*this, Clock::now() + pause);
     }
-    const auto job = proto::Json::parse(document, nullptr, false);
-    const std::string slug = job.is_object() && job.contains("error")
-                                 ? problemSlug(proto::writeJson(job["error"]))
-                                 : std::string();
+    if (state != "failed") return finish(Ending::failed, kNotUnderstood);
+    const std::string slug = job.contains("error") ? slugOf(job["error"]) : std::string();
     finish(Ending::failed, slug.empty() ? "job-failed" : "job-failed " + slug);
 }
 
@@ -232,8 +230,8 @@ void JobFlow::cancelSettled() {
         step_ = Step::pause;
         return host.wake(*this, Clock::now() + std::chrono::milliseconds(0));
     }
-    const auto job = proto::Json::parse(answer.body(), nullptr, false);
-    const std::string state = job.is_object() ? textOf(job, "state") : "";
+    const std::string state = gone ? "" : textOf(readAnswer(answer.body()), "state");
+    if (!gone && state.empty()) return finish(Ending::failed, kNotUnderstood);
     if (!gone && (state == "queued" || state == "running")) {
         step_ = Step::pause;
         return host.wake(*this, Clock::now() + kSettlePause);

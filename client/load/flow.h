@@ -8,6 +8,7 @@
 #include "client/load/exchange.h"
 #include "client/load/requests.h"
 #include "client/load/tally.h"
+#include "proto/json.h"
 
 namespace rivage::client::load {
 
@@ -97,7 +98,7 @@ private:
                  std::string_view fields = {});
     void accepted();
     void follow();
-    void stateKnown(std::string_view state, std::string_view document);
+    void stateKnown(const proto::Json& job);
     void readState();
     void readEvents();
     void beginCancel();

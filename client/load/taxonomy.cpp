@@ -1,8 +1,7 @@
 #include "client/load/taxonomy.h"
 
 #include <algorithm>
-
-#include "proto/json.h"
+#include <utility>
 
 namespace rivage::client::load {
 
@@ -24,8 +23,14 @@ const char* nameOf(Fault fault) {
     return "";
 }
 
-std::string problemSlug(std::string_view body) {
-    const auto problem = proto::Json::parse(body, nullptr, false);
+proto::Json readAnswer(std::string_view text, std::size_t maxBytes) {
+    auto json = proto::readJson(text, "", {.maxBytes = maxBytes, .maxMembers = 1000});
+    return json && json->is_object() ? *std::move(json) : proto::Json();
+}
+
+std::string problemSlug(std::string_view body) { return slugOf(readAnswer(body)); }
+
+std::string slugOf(const proto::Json& problem) {
     if (!problem.is_object() || !problem.contains("type") || !problem["type"].is_string())
         return {};
     std::string slug = problem["type"].get<std::string>();

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <utility>
 
-#include "proto/json.h"
+#include "client/load/taxonomy.h"
 
 namespace rivage::client::load {
 namespace {
@@ -16,6 +16,7 @@ constexpr std::uint32_t kMagic = 0x46546C67;      // "glTF"
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
 constexpr std::size_t kHeader = 12;
 constexpr std::size_t kChunkHeader = 8;
+constexpr std::size_t kMaxGlbJson = 16 << 20;
 
 /// The u32 at an offset; GLB and this machine are both little-endian.
 std::uint32_t numberAt(std::string_view bytes, std::size_t offset) {
@@ -45,10 +46,8 @@ bool isGlb(std::string_view bytes) {
         if (length % 4 != 0 || length > bytes.size() - at - kChunkHeader) return false;
         if (chunk == 0) {
             const std::string_view text = bytes.substr(at + kChunkHeader, length);
-            const auto json = proto::Json::parse(text, nullptr, false);
-            if (numberAt(bytes, at + 4) != kJsonChunk || !json.is_object() ||
-                !json.contains("asset"))
-                return false;
+            const proto::Json json = readAnswer(text, kMaxGlbJson);
+            if (numberAt(bytes, at + 4) != kJsonChunk || !json.contains("asset")) return false;
         }
         at += kChunkHeader + length;
     }

@@ -246,6 +246,18 @@ TEST_SUITE("client/load") {
         }
     }
 
+    TEST_CASE("reject: jobs that say nothing we understand, however deep they are nested") {
+        const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
+        for (const Follow follow : {Follow::events, Follow::poll})
+            for (const std::string& last :
+                 {std::string("bored"), "failed\",\"deep\":" + deep + ",\"x\":\""}) {
+                JobServer server(last);
+                LoadPlan plan = planFor(server.url(), jobMix(follow), closed(1));
+                plan.maxRequests = 1;
+                CHECK(runPlan(plan).tally.errors["not-understood"] == 1);
+            }
+    }
+
     TEST_CASE("run: an interrupt ends it soon") {
         const StubServer stub({});
         LoadPlan plan = planFor(stub.url(), plainMix("/"), closed(2));

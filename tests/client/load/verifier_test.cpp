@@ -34,6 +34,8 @@ TEST_SUITE("client/load") {
         CHECK_FALSE(isGlb(glb("[1] ", "12345678")));
         CHECK_FALSE(isGlb(glb("{\"a\"", "12345678")));
         CHECK_FALSE(isGlb("glTX" + good.substr(4)));
+        const std::string deep = "{\"asset\":" + std::string(1'000'000, '[');
+        CHECK_FALSE(isGlb(glb(deep + std::string(2 + 4 - deep.size() % 4, ' '), "")));
     }
 
     TEST_CASE("verifier: digests are those of RFC 9530") {
