@@ -36,6 +36,17 @@ ServerTimes readServerTiming(std::string_view field) {
 
 std::int64_t fromMilliseconds(double value) { return static_cast<std::int64_t>(value * 1000); }
 
+/// Whether this is the path of a job: it is sent back, so nothing but a plain id may follow.
+bool isJob(std::string_view path) {
+    constexpr std::string_view kJobs = "/v1/jobs/";
+    if (!path.starts_with(kJobs) || path.size() == kJobs.size() || path.size() > 256) return false;
+    path.remove_prefix(kJobs.size());
+    return std::all_of(path.begin(), path.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               c == '-' || c == '_';
+    });
+}
+
 constexpr std::chrono::milliseconds kSettlePause{5};
 /// The class of answers that say nothing we know.
 constexpr const char* kNotUnderstood = "not-understood";
@@ -149,7 +160,7 @@ void JobFlow::onEnded() {
 
 void JobFlow::accepted() {
     job_ = answer.field("location");
-    if (answer.status() != 202 || !job_.starts_with("/v1/jobs/"))
+    if (answer.status() != 202 || !isJob(job_))
         return finish(Ending::failed, "unexpected " + std::to_string(answer.status()));
     if (draw.abandoned) return finish(Ending::abandoned);
     if (draw.cancelled) host.wake(*this, Clock::now() + prepared.entry.cancelAfter);

@@ -126,8 +126,12 @@ MixEntry readEntry(const Json& json, const std::string& pointer, std::optional<F
                       {{"get", Mode::get}, {"job", Mode::job}, {"sync", Mode::sync}});
     if (entry.mode == Mode::get) {
         reader.text("path", entry.path);
-        if (!entry.path.starts_with('/'))
-            reader.refuse("/path", "expected a path that begins with /");
+        const bool plain = std::all_of(entry.path.begin(), entry.path.end(),
+                                       [](char c) { return c > 0x20 && c < 0x7f; });
+        if (!plain || !entry.path.starts_with('/'))
+            reader.refuse("/path",
+                          "expected a path that begins with /, without blanks, control characters "
+                          "and non-ASCII");
     } else {
         entry.sample = "island";
         reader.member("input", [&](const Json& input, const std::string& at) {

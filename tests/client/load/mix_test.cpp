@@ -52,6 +52,9 @@ TEST_SUITE("client/load") {
         CHECK(entry(R"("mode":"async")") == "/entries/0/mode");
         CHECK(entry(R"("mode":"get")") == "/entries/0/path");
         CHECK(entry(R"("mode":"get","path":"version")") == "/entries/0/path");
+        for (const char* path : {"/a b", "/a\\r\\nX: y", "/\\u007f", "/\\u00e9"})
+            CHECK(entry(R"("mode":"get","path":")" + std::string(path) + "\"") ==
+                  "/entries/0/path");
         CHECK(entry(R"("mode":"get","path":"/","options":{})") == "/entries/0/options");
         CHECK(entry(R"("follow":"poll")") == "/entries/0/follow");
         CHECK(entry(R"("mode":"job","abandoned":0.6,"cancelled":0.6)") == "/entries/0/cancelled");
