@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -64,8 +65,12 @@ Outcome<Target> targetOf(const LoadOptions& options, const Endpoint& endpoint) {
 
 Outcome<Mix> mixOf(const LoadOptions& options) {
     if (!options.get.empty()) {
-        if (options.get.starts_with('/')) return plainMix(options.get);
-        return fail(ExitCode::usage, "The path of --get begins with /");
+        const bool plain = std::all_of(options.get.begin(), options.get.end(),
+                                       [](char c) { return c > 0x20 && c < 0x7f; });
+        if (plain && options.get.starts_with('/')) return plainMix(options.get);
+        return fail(ExitCode::usage, "The path of --get cannot be used",
+                    "expected a path that begins with /, without blanks, control characters and "
+                    "non-ASCII");
     }
     if (options.mix.empty()) return defaultMix();
     const auto text = readText(options.mix);
@@ -113,6 +118,10 @@ void fillPlan(LoadPlan& plan, const LoadOptions& options) {
 }
 
 Outcome<Setup> prepare(const LoadOptions& options, Interrupt& interrupt) {
+    // A folder that cannot be had is said now, not after the run.
+    if (!options.out.empty())
+        if (const auto made = writeFolder(options.out, {}); !made)
+            return tl::unexpected(made.error());
     const auto server = accessOf(options, options.server);
     if (!server) return tl::unexpected(server.error());
     auto target = targetOf(options, server->endpoint);
@@ -127,6 +136,8 @@ Outcome<Setup> prepare(const LoadOptions& options, Interrupt& interrupt) {
     if (!options.admin.empty()) {
         auto access = accessOf(options, options.admin);
         if (!access) return tl::unexpected(access.error());
+        const auto place = targetOf(options, access->endpoint);
+        if (!place) return tl::unexpected(place.error());
         admin = *std::move(access);
         admin->apiKey.clear();  // the admin port asks for none
     }
@@ -168,9 +179,14 @@ private:
     std::size_t shown_ = 0;
 };
 
+/// JSON for a file; bytes that are not UTF-8, as a command line may have, become U+FFFD.
+std::string indented(const proto::Json& json) {
+    return json.dump(1, ' ', false, proto::Json::error_handler_t::replace) + "\n";
+}
+
 Outcome<void> writeReport(const std::string& folder, const LoadReport& report) {
     const Tally& tally = report.result.tally;
-    return writeFolder(folder, {{"report.json", reportJson(report).dump(1) + "\n"},
+    return writeFolder(folder, {{"report.json", indented(reportJson(report))},
                                 {"report.md", reportMarkdown(report)},
                                 {"seconds.csv", reportCsv(report)},
                                 {"corrected.hgrm", tally[Measure::corrected].toHgrm()},
@@ -223,8 +239,8 @@ LoadExit search(const LoadOptions& options, Console& console, Interrupt& interru
     json["markdown"] = markdown;
     console.out << (options.json ? proto::writeJson(json) + "\n" : markdown) << std::flush;
     if (!options.out.empty()) {
-        const auto written = writeFolder(
-            options.out, {{"search.json", json.dump(1) + "\n"}, {"search.md", markdown}});
+        const auto written =
+            writeFolder(options.out, {{"search.json", indented(json)}, {"search.md", markdown}});
         if (!written) return complain(console, written.error());
     }
     return exitOf(result);

@@ -74,6 +74,9 @@ TEST_SUITE("client/load") {
                  {"run", "--server", url, "--rate", "1", "--mix", "a", "--get", "/"},
                  {"run", "--server", url, "--rate", "1", "--mix", "/nonexistent"},
                  {"run", "--server", url, "--rate", "1", "--slo", "fast"},
+                 {"run", "--server", url, "--rate", "1", "--get", "/a b"},
+                 {"run", "--server", url, "--rate", "1", "--get", "/\r\nX: y"},
+                 {"run", "--server", url, "--rate", "1", "--admin", "http://192.0.2.1"},
                  {"run", "--server", url, "--replay", "/nonexistent"},
                  {"run", "--server", "ftp://x", "--rate", "1"},
                  {"run", "--server", url, "--rate", "1", "--api-key-file", "/nonexistent"},
@@ -117,7 +120,12 @@ TEST_SUITE("client/load") {
         }
         const Ended json = command(runAt(stub.url(), {"--concurrency", "2", "--json"}));
         CHECK(proto::Json::parse(json.out)["exit_code"] == 0);
-        CHECK(command(runAt(stub.url(), {"--concurrency", "1", "--out", "/proc/x"})).code == 8);
+        // Before the run: nobody has to be there.
+        const std::string nobody = "http://127.0.0.1:1";
+        CHECK(command(runAt(nobody, {"--concurrency", "1", "--out", "/proc/x"})).code == 8);
+        const std::string odd = folder / "\xff";
+        CHECK(command(runAt(stub.url(), {"--concurrency", "1", "--out", odd})).code == 0);
+        CHECK(std::filesystem::file_size(odd + "/report.json") > 100);
     }
 
     TEST_CASE("run: the key goes along, and is never shown") {
