@@ -3,6 +3,9 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
 #include <utility>
 
 namespace rivage::client {
@@ -58,20 +61,69 @@ Failure timeIsOver() {
 
 Failure notKept() { return failureWith(ExitCode::notWritten, "The result could not be kept"); }
 
+/// Where the body of one answer goes, and why it was given up.
+struct Reception {
+    BodySink* sink = nullptr;
+    Clock::time_point deadline;
+    std::string body = {};
+    bool toSink = false;
+    bool late = false;
+    bool tooLarge = false;
+};
+
 /// Sends what comes to the sink if the answer is a success, else into `body`.
-void receiveInto(httplib::Request& request, BodySink* sink, std::string& body, bool& toSink) {
-    request.response_handler = [sink, &toSink](const httplib::Response& response) {
-        toSink = sink != nullptr && (response.status == 200 || response.status == 206);
-        return !toSink || sink->begin(response);
+void receiveInto(httplib::Request& request, Reception& reception) {
+    request.response_handler = [&reception](const httplib::Response& response) {
+        BodySink* const sink = reception.sink;
+        reception.toSink = sink != nullptr && (response.status == 200 || response.status == 206);
+        return !reception.toSink || sink->begin(response);
     };
-    request.content_receiver = [&body, &toSink, sink](const char* data, std::size_t size,
-                                                      std::size_t, std::size_t) {
-        if (toSink) return sink->write({data, size});
-        if (body.size() + size > kMaxDocument) return false;
-        body.append(data, size);
+    request.content_receiver = [&reception](const char* data, std::size_t size, std::size_t,
+                                            std::size_t) {
+        reception.late = Clock::now() >= reception.deadline;
+        if (reception.late) return false;
+        if (reception.toSink) return reception.sink->write({data, size});
+        reception.tooLarge = reception.body.size() + size > kMaxDocument;
+        if (reception.tooLarge) return false;
+        reception.body.append(data, size);
         return true;
     };
 }
+
+/// Breaks off a request when its time is over: the time limits of the HTTP library do not hold
+/// while an upload is not read, nor while bytes keep coming.
+class TimeKeeper {
+public:
+    TimeKeeper(httplib::Client& client, Clock::time_point deadline) {
+        if (deadline == Clock::time_point::max()) return;
+        thread_ = std::thread([this, &client, deadline] { keep(client, deadline); });
+    }
+    ~TimeKeeper() {
+        if (!thread_.joinable()) return;
+        {
+            const std::lock_guard lock(mutex_);
+            over_ = true;
+        }
+        changed_.notify_all();
+        thread_.join();
+    }
+    TimeKeeper(const TimeKeeper&) = delete;
+    TimeKeeper& operator=(const TimeKeeper&) = delete;
+
+private:
+    void keep(httplib::Client& client, Clock::time_point deadline) {
+        constexpr milliseconds kAgain{20};  // the first may come before there is a connection
+        std::unique_lock lock(mutex_);
+        for (auto next = deadline; !changed_.wait_until(lock, next, [&] { return over_; });
+             next = Clock::now() + kAgain)
+            client.stop();
+    }
+
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    bool over_ = false;
+    std::thread thread_;
+};
 
 }  // namespace
 
@@ -106,28 +158,35 @@ Transport::Answer Transport::sendOnce(httplib::Request request, BodySink* sink) 
     httplib::Client client = makeClient();
     if (deadline_ != Clock::time_point::max()) {
         const auto left = std::chrono::duration_cast<milliseconds>(deadline_ - Clock::now());
-        client.set_max_timeout(std::max(left, milliseconds(0)) + milliseconds(1));
+        const milliseconds most = std::max(left, milliseconds(0)) + milliseconds(1);
+        client.set_max_timeout(most);
+        client.set_connection_timeout(std::min(most, kConnectTimeout));
     }
     request.start_time_ = Clock::now();  // send() does not set what set_max_timeout counts from
     Answer answer;
-    std::string body;
-    bool toSink = false;
+    Reception reception{.sink = sink, .deadline = deadline_};
     if (sink != nullptr) sink->prepare(request);
-    receiveInto(request, sink, body, toSink);
+    receiveInto(request, reception);
     httplib::Result result = [&] {
+        const TimeKeeper timeKeeper(client, deadline_);
         const BreakOff breakOff(interrupt_, [&client] { client.stop(); });
         return client.send(request);
     }();
-    answer.error = result.error();
+    answer.error = reception.late       ? httplib::Error::Timeout
+                   : reception.tooLarge ? httplib::Error::ExceedMaxPayloadSize
+                                        : result.error();
     if (!result) return answer;
     answer.response = *std::move(result);
-    answer.response.body = std::move(body);
+    answer.response.body = std::move(reception.body);
     return answer;
 }
 
 Failure Transport::failureOf(const Answer& answer) const {
     if (answer.error == httplib::Error::Success)
         return client::failureOf(answer.response.status, answer.response.body);
+    if (answer.error == httplib::Error::ExceedMaxPayloadSize)
+        return failureWith(ExitCode::failed, "The server's answer is not understood",
+                           "a document of more than 64 MiB");
     if (answer.error == httplib::Error::Canceled) return notKept();
     if (Clock::now() >= deadline_) return timeIsOver();
     if (isUntrusted(answer.error))
@@ -184,6 +243,7 @@ void Transport::sendAtLast(httplib::Request request, milliseconds patience) {
     client.set_connection_timeout(patience);
     client.set_max_timeout(patience);
     request.start_time_ = Clock::now();
+    const TimeKeeper timeKeeper(client, Clock::now() + patience);
     const httplib::Result ignored = client.send(request);
     static_cast<void>(ignored);
 }
