@@ -1,5 +1,6 @@
 #include "client/failure.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace rivage::client {
@@ -39,15 +40,22 @@ tl::unexpected<Failure> fail(ExitCode exit, std::string title, std::string detai
     return tl::unexpected(failureWith(exit, std::move(title), std::move(detail)));
 }
 
+Json readAnswer(std::string_view body) {
+    constexpr proto::JsonLimits kLimits{
+        .maxBytes = std::size_t{64} << 20, .maxDepth = 64, .maxMembers = 10'000};
+    auto answer = proto::readJson(body, {}, kLimits);
+    return answer && answer->is_object() ? *std::move(answer) : Json();
+}
+
 Failure failureOf(int status, std::string_view body) {
-    Json problem = Json::parse(body, nullptr, false);
-    if (!problem.is_object() || !problem.contains("title"))
+    Json problem = readAnswer(body);
+    if (textOf(problem, "title").empty())
         problem = Json{{"title", "The server answered " + std::to_string(status)}};
     return {.exit = exitOf(status), .problem = std::move(problem)};
 }
 
 Failure failureOf(const Json& problem) {
-    const int status = static_cast<int>(numberOf(problem, "status", 500));
+    const int status = static_cast<int>(std::clamp(numberOf(problem, "status", 500), 0.0, 999.0));
     return failureOf(status, proto::writeJson(problem));
 }
 

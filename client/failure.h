@@ -36,6 +36,10 @@ using Outcome = tl::expected<T, Failure>;
 /// The lines that say a failure to a person: title, detail, and the facts that are known.
 [[nodiscard]] std::string describe(const Failure& failure);
 
+/// The JSON object that a server answered with; null if the text is none, or is nested too deeply
+/// to be one of ours.
+[[nodiscard]] proto::Json readAnswer(std::string_view body);
+
 /// The member `name` of `object` as text; empty if there is none, or if it is not a string.
 [[nodiscard]] std::string textOf(const proto::Json& object, const char* name);
 

@@ -20,8 +20,8 @@ tl::unexpected<Failure> notUnderstood(const std::string& what) {
 }
 
 Outcome<Json> readJob(const httplib::Response& response) {
-    Json job = Json::parse(response.body, nullptr, false);
-    if (!job.is_object() || textOf(job, "id").empty() || textOf(job, "state").empty())
+    Json job = readAnswer(response.body);
+    if (textOf(job, "id").empty() || textOf(job, "state").empty())
         return notUnderstood("expected a job");
     return job;
 }
@@ -94,7 +94,9 @@ Outcome<Json> reportOf(const Json& job) {
     if (state == "canceled")
         return fail(ExitCode::cancelled, "The job was cancelled at the server");
     if (state == "failed") return tl::unexpected(failureOf(job.value("error", Json::object())));
-    return job.value("report", Json::object());
+    Json report = job.value("report", Json::object());
+    if (!report.is_object()) return notUnderstood("expected the report of a job");
+    return report;
 }
 
 Outcome<void> fetchResult(Transport& transport, const std::string& id, const ByteStore& store) {
@@ -109,8 +111,8 @@ Outcome<std::vector<Json>> listJobs(Transport& transport, const JobQuery& query)
     while (!path.empty()) {
         const auto response = transport.send(makeRequest("GET", path));
         if (!response) return tl::unexpected(response.error());
-        const Json page = Json::parse(response->body, nullptr, false);
-        if (!page.is_object() || !page.contains("jobs") || !page["jobs"].is_array())
+        const Json page = readAnswer(response->body);
+        if (!page.contains("jobs") || !page["jobs"].is_array())
             return notUnderstood("expected a list of jobs");
         for (const Json& job : page["jobs"])
             if (job.is_object() && jobs.size() < most) jobs.push_back(job);

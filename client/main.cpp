@@ -3,6 +3,7 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <exception>
 #include <iostream>
 #include <string>
 #include <string_view>
@@ -34,9 +35,7 @@ bool showsColor(const std::string& wish, bool terminal) {
     return wish == "always" || (wish == "auto" && terminal && !isSet("NO_COLOR"));
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
     using namespace rivage::client;
     std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);  // `ulimit -f` is an error of writing, not of the program
@@ -50,4 +49,15 @@ int main(int argc, char** argv) {
     Interrupt interrupt;
     const SignalWatcher watcher(interrupt);
     return static_cast<int>(runCommand(*parsed, console, interrupt));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const std::exception& error) {  // such as memory that ran out
+        std::cerr << "rivage: " << error.what() << "\n" << std::flush;
+        return static_cast<int>(rivage::client::ExitCode::failed);
+    }
 }

@@ -19,8 +19,11 @@ ExitCode show(Session& session, const httplib::Request& request,
               std::string (*table)(const Json&)) {
     const auto response = session.connect().send(request);
     if (!response) return stop(session, {}, response.error());
-    const Json json = Json::parse(response->body, nullptr, false);
-    if (!json.is_object()) return stop(session, {}, failureOf(500, "The answer is no JSON object"));
+    const Json json = readAnswer(response->body);
+    if (!json.is_object())
+        return stop(session, {},
+                    failureWith(ExitCode::failed, "The server's answer is not understood",
+                                "expected a JSON object"));
     session.console.out << (session.invocation.json ? proto::writeJson(json) + "\n" : table(json))
                         << std::flush;
     return session.console.out ? ExitCode::ok : ExitCode::notWritten;

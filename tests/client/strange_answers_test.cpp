@@ -1,0 +1,74 @@
+#include <doctest/doctest.h>
+
+#include "tests/client/fake_server.h"
+#include "tests/client/run.h"
+
+namespace rivage::client {
+namespace {
+
+constexpr const char* kNotUnderstood = "The server's answer is not understood";
+
+/// A JSON text of arrays in arrays, `depth` deep, as the member "a".
+std::string nested(std::size_t depth) {
+    return R"({"a":)" + std::string(depth, '[') + std::string(depth, ']') + "}";
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("client");
+
+TEST_CASE("reject: answers that are nested too deeply") {
+    FakeServer server;
+    const auto deep = [](int status) {
+        return [status](const httplib::Request&, httplib::Response& response) {
+            response.status = status;
+            response.set_content(nested(300'000), "application/json");
+        };
+    };
+    server.http.Get("/v1/options", deep(200));
+    server.http.Get("/v1/jobs", deep(200));
+    server.http.Get("/v1/jobs/a", deep(200));
+    server.http.Get("/v1/jobs/b", deep(500));
+    server.start();
+    const std::vector<std::vector<std::string>> commands{
+        {"options"}, {"jobs", "list"}, {"jobs", "status", "a"}};
+    for (auto command : commands) {
+        CAPTURE(command.back());
+        command.insert(command.end(), {"--server", server.url()});
+        Run run;
+        run(command);
+        CHECK(run.code == ExitCode::failed);
+        CHECK(run.err.str().find(kNotUnderstood) != std::string::npos);
+    }
+    Run refused;
+    refused({"jobs", "status", "b", "--server", server.url()});
+    CHECK(refused.code == ExitCode::failed);
+    CHECK(refused.err.str().find("The server answered 500") != std::string::npos);
+}
+
+TEST_CASE("reject: a report that is no object") {
+    const TemporaryFolder folder;
+    writeFile(folder / "a.vox", "VOX");
+    for (const char* report : {"7", "[1]", "\"text\"", "null"}) {
+        CAPTURE(report);
+        FakeServer server;
+        FakeJobs jobs;
+        jobs.report = report;
+        jobs.addTo(server.http);
+        server.start();
+        for (const bool json : {false, true}) {
+            Run run;
+            std::vector<std::string> words{"regularize", folder / "a.vox", "--server",
+                                           server.url()};
+            if (json) words.emplace_back("--json");
+            run(words);
+            CHECK(run.code == ExitCode::failed);
+            CHECK(run.err.str().find(kNotUnderstood) != std::string::npos);
+        }
+        CHECK(folder.entries() == 1);
+    }
+}
+
+TEST_SUITE_END();
+
+}  // namespace rivage::client
