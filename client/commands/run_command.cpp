@@ -70,9 +70,7 @@ ExitCode runAt(Invocation invocation, Console& console, Interrupt& interrupt,
     return dispatch(session, plan);
 }
 
-}  // namespace
-
-ExitCode runCommand(const Invocation& invocation, Console& console, Interrupt& interrupt) {
+ExitCode runChecked(const Invocation& invocation, Console& console, Interrupt& interrupt) {
     if (invocation.command == Command::compare) return runCompare(invocation, console);
     if (invocation.command == Command::completions) return runCompletions(invocation, console);
     if (invocation.command == Command::man) return runMan(console);
@@ -89,6 +87,15 @@ ExitCode runCommand(const Invocation& invocation, Console& console, Interrupt& i
             return complain(invocation, console, {}, made.error());
     }
     return runAt(invocation, console, interrupt, plan);
+}
+
+}  // namespace
+
+ExitCode runCommand(const Invocation& invocation, Console& console, Interrupt& interrupt) {
+    const ExitCode exit = runChecked(invocation, console, interrupt);
+    if (exit != ExitCode::ok || console.out.flush()) return exit;
+    console.err << "rivage: stdout cannot be written\n" << std::flush;
+    return ExitCode::notWritten;
 }
 
 }  // namespace rivage::client

@@ -69,6 +69,26 @@ TEST_CASE("reject: a report that is no object") {
     }
 }
 
+TEST_CASE("reject: a stdout that takes nothing") {
+    const TemporaryFolder folder;
+    writeFile(folder / "a.vox", "VOX");
+    FakeServer server;
+    FakeJobs jobs;
+    jobs.addTo(server.http);
+    server.start();
+    const std::vector<std::vector<std::string>> commands{{"regularize", folder / "a.vox", "--json"},
+                                                         {"jobs", "status", jobs.id}};
+    for (auto command : commands) {
+        CAPTURE(command.front());
+        command.insert(command.end(), {"--server", server.url()});
+        Run run;
+        run.out.setstate(std::ios::badbit);
+        run(command);
+        CHECK(run.code == ExitCode::notWritten);
+        CHECK(run.err.str().find("stdout cannot be written") != std::string::npos);
+    }
+}
+
 TEST_SUITE_END();
 
 }  // namespace rivage::client
