@@ -12,11 +12,22 @@
 namespace rivage::client {
 namespace {
 
+/// A stop that comes so much later is another one: some send theirs twice.
+constexpr std::chrono::milliseconds kSecondSignal{250};
+
 sigset_t stopSignals() {
     sigset_t set;
     sigemptyset(&set);
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&set, signal);
     return set;
+}
+
+/// The program ends by the signal, as one that does not handle it.
+void endBy(int signal) {
+    std::signal(signal, SIG_DFL);
+    const sigset_t set = stopSignals();
+    pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
+    ::raise(signal);
 }
 
 }  // namespace
@@ -64,6 +75,7 @@ SignalWatcher::~SignalWatcher() {
 }
 
 void SignalWatcher::watch(Interrupt& interrupt) const {
+    std::chrono::steady_clock::time_point first;
     std::array<pollfd, 2> files{{{signals_, POLLIN, 0}, {end_, POLLIN, 0}}};
     for (;;) {
         // A stop may come just before the request that it has to break off has a connection, so
@@ -73,6 +85,9 @@ void SignalWatcher::watch(Interrupt& interrupt) const {
         if (files[1].revents != 0) return;
         signalfd_siginfo info;
         const bool signalled = read(signals_, &info, sizeof info) == sizeof info;
+        const auto now = std::chrono::steady_clock::now();
+        if (signalled && !interrupt.requested()) first = now;
+        if (signalled && now - first > kSecondSignal) endBy(static_cast<int>(info.ssi_signo));
         if (signalled || interrupt.requested()) interrupt.request();
     }
 }

@@ -42,7 +42,8 @@ private:
     std::list<std::function<void()>>::iterator place_;
 };
 
-/// Turns SIGINT, SIGTERM and SIGHUP into `Interrupt::request` for as long as it lives. It blocks
+/// Turns SIGINT, SIGTERM and SIGHUP into `Interrupt::request` for as long as it lives; a second one
+/// ends the program at once, whatever it waits for. It blocks
 /// them in the thread that makes it, so it has to be made before all other threads.
 class SignalWatcher {
 public:

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,7 +48,9 @@ int run(int argc, char** argv) {
     if (!parsed) return static_cast<int>(parsed.error());
     console.color = showsColor(parsed->color, console.errIsTerminal);
     Interrupt interrupt;
-    const SignalWatcher watcher(interrupt);
+    // What compares files has nothing to put in order, and ends by the signal itself.
+    std::optional<SignalWatcher> watcher;
+    if (parsed->command != Command::compare) watcher.emplace(interrupt);
     return static_cast<int>(runCommand(*parsed, console, interrupt));
 }
 

@@ -1,6 +1,6 @@
 // The real client and server on real sockets.
 import assert from 'node:assert/strict';
-import {spawnSync} from 'node:child_process';
+import {execFileSync, spawnSync} from 'node:child_process';
 import {cpSync, existsSync, mkdirSync, readdirSync, readFileSync, renameSync, rmSync, statSync,
   writeFileSync} from 'node:fs';
 import {join} from 'node:path';
@@ -77,6 +77,17 @@ test('Ctrl-C cancels the job, removes the private server and leaves no file', as
   assert.equal(ended.code, 7, ended.stderr);
   assert.ok(Date.now() - since < 8000, 'it ends soon');
   assert.deepEqual(readdirSync(folder), ['island.vox']);
+});
+
+test('a second Ctrl-C ends what waits for a grid that does not come', async (t) => {
+  const folder = makeFolder(t);
+  execFileSync('mkfifo', [join(folder, 'grid.vox')]);
+  const run = start('rivage', ['inspect', 'grid.vox'], {folder});
+  await sleep(1500);
+  run.child.kill('SIGINT');
+  await sleep(500);
+  run.child.kill('SIGINT');
+  assert.equal((await run.ended).signal, 'SIGINT');
 });
 
 test('Ctrl-C cancels the job at a named server, which stays', async (t) => {
