@@ -141,7 +141,7 @@ void Job::addProgressEvent(std::optional<std::size_t> position) {
     addEvent("progress", proto::progressJson(view));
 }
 
-bool Job::end(const RunOutcome& outcome) {
+bool Job::end(const RunOutcome& outcome, std::chrono::seconds kept) {
     const std::lock_guard lock(mutex_);
     if (ended()) return false;
     proto::JobView& view = now_.view;
@@ -149,6 +149,7 @@ bool Job::end(const RunOutcome& outcome) {
         now_.times.queue =
             std::chrono::duration<double, std::milli>(Clock::now() - created_).count();
     view.finished = std::chrono::system_clock::now();
+    if (kept.count() > 0) view.expiresAt = *view.finished + kept;
     view.state = outcome.result ? JobState::succeeded : JobState::failed;
     if (outcome.error) {
         if (outcome.error->code == core::ErrorCode::cancelled) view.state = JobState::canceled;

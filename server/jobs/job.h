@@ -135,8 +135,10 @@ public:
     void offer(JobPreview preview);
     [[nodiscard]] std::optional<JobPreview> preview() const;
 
-    /// Ends it. @return false if it had ended before: then nothing changes
-    bool end(const RunOutcome& outcome);
+    /// Ends it.
+    /// @param kept  for how long it is known from now on; 0: `setExpiry` will say it
+    /// @return false if it had ended before: then nothing changes
+    bool end(const RunOutcome& outcome, std::chrono::seconds kept = std::chrono::seconds(0));
     /// How it comes to its outcome, as is known when it is accepted.
     void setReuse(Reuse reuse);
     /// Wakes those that wait for the end, once all bookkeeping is done.

@@ -41,6 +41,8 @@ public:
                                                           const std::string& id) const;
     /// Newest first.
     [[nodiscard]] std::vector<std::shared_ptr<Job>> list(const JobQuery& query) const;
+    /// For how long a job is known after its end.
+    [[nodiscard]] std::chrono::seconds resultTtl() const { return limits_.resultTtl; }
     /// A job has ended: its time to live begins, and its bytes count against the room for results.
     void ended(const std::shared_ptr<Job>& job);
     void forget(const std::string& id);

@@ -152,7 +152,8 @@ void JobPool::attach(const std::shared_ptr<Job>& job, BlobPtr input,
     if (found.finished) {
         if (const auto bytes = result(*found.finished)) {
             job->setReuse(Reuse::hit);
-            (void)job->end({.result = *bytes, .facts = found.finished->snapshot().facts});
+            (void)job->end({.result = *bytes, .facts = found.finished->snapshot().facts},
+                           index_.resultTtl());
             conclude(job);
             count = &PoolStats::cacheHits;
         } else {
@@ -238,7 +239,7 @@ void JobPool::cancel(const std::shared_ptr<Job>& job) {
 
 /// Ends a job before its run has; a run that nobody wants any more stops, or never starts.
 void JobPool::leave(const std::shared_ptr<Job>& job, const Error& reason) {
-    if (!job->end({.error = reason})) return;
+    if (!job->end({.error = reason}, index_.resultTtl())) return;
     for (const auto& task : tasks()) {
         task->leave(*job);
         if (!task->wanted()) queue_->remove(*task);

@@ -144,7 +144,7 @@ void JobPool::settle(Task& task, core::Result<core::Artifact> artifact) {
     std::vector<std::shared_ptr<Job>> ended;
     known_.settle(task, [&](const std::shared_ptr<Job>& job) {
         if (task.stopRequested() && isLeftToNextProcess(*job)) return false;
-        if (!job->end(outcome)) return false;
+        if (!job->end(outcome, index_.resultTtl())) return false;
         ended.push_back(job);
         return outcome.result != nullptr;
     });

@@ -53,8 +53,9 @@ TEST_CASE("Job: queued, running, succeeded, with all that belongs to it") {
     CHECK(proto::toJson(job->view())["step"] == 4);
     CHECK(proto::toJson(job->view())["energy"] == 2.5);
 
-    REQUIRE(job->end(success()));
+    REQUIRE(job->end(success(), std::chrono::seconds(60)));
     CHECK(proto::toJson(job->view())["energy"].is_null());
+    CHECK(*job->view().expiresAt - *job->view().finished == std::chrono::seconds(60));
     const JobSnapshot done = job->snapshot();
     CHECK(done.view.state == JobState::succeeded);
     CHECK(done.view.progress == 1);
