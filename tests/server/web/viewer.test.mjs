@@ -46,7 +46,7 @@ async function openPage(browser, url, path) {
     if (!request.url().startsWith(url) && !request.url().startsWith('blob:'))
       complaints.push(`asked ${request.url()}`);
   });
-  await page.goto(url + path);
+  await page.goto(url + path, kPatience);
   return {page, complaints};
 }
 
