@@ -8,12 +8,15 @@ import {image} from '../lib/images.mjs';
 import {kHardened} from '../lib/world.mjs';
 
 const kMostGrowth = 1.05;
-const kSample = 5;  // seconds between two looks at the memory
+const kSample = 1;  // seconds between two looks at the memory
 
 // A bit of everything that clients do, also what they should not.
 const kMix = {
   entries: [
     {name: 'at once', weight: 4, input: {sample: 'island'}, options: {preset: 'paper'}},
+    {name: 'house', weight: 1, input: {sample: 'house'}},
+    {name: 'regions', weight: 1, input: {sample: 'foam'}, options: {labels: 'palette', output: 'obj'}},
+    {name: 'smallest', weight: 2, input: {sample: 'voxel'}, options: {compression: 'none'}},
     {name: 'events', weight: 2, mode: 'job', input: {sample: 'island'}, follow: 'events', abandoned: 0.1},
     {name: 'waiting', weight: 2, mode: 'job', input: {sample: 'island'}, follow: 'wait', cancelled: 0.1},
     {name: 'asking', weight: 1, mode: 'job', input: {sample: 'island'}, follow: 'poll'},
@@ -25,15 +28,16 @@ const kMix = {
 
 const mean = (values) => values.reduce((sum, value) => sum + value, 0) / values.length;
 
-// Writes the memory of the server's processes, in kB, every few seconds.
-function watchMemory(world, server) {
+// Watches the memory of the server's processes, in kB, for so many seconds.
+function watchMemory(world, server, seconds) {
   const name = world.name();
   const started = must(['run', '--detach', '--name', name, `--pid=container:${server.name}`, ...world.all.flags,
     image('test'), 'bash', '-c', `while sleep ${kSample}; do grep -h '^VmRSS:' $(grep -l '^Name:.*rivage-server' ` +
       `/proc/[0-9]*/status) 2>/dev/null | awk '{sum += $2} END {print sum}'; done`]);
   return async () => {
     await started;
-    return (await docker(['logs', name])).text.split('\n').map(Number).filter(Boolean);
+    const samples = (await docker(['logs', name])).text.split('\n').map(Number).filter(Boolean);
+    return samples.slice(0, seconds / kSample);  // what is left of slow clients is no load
   };
 }
 
@@ -44,7 +48,7 @@ export const soak = (minutes) => ({
   async run(world, broken) {
     const server = await world.server({flags: [...kHardened, '--memory-swap', '512m', '--restart', 'unless-stopped'],
       env: {RIVAGE_KEPT_JOBS: 200, ...(broken ? {RIVAGE_DEADLINE: '1s'} : {})}});
-    const memory = watchMemory(world, server);
+    const memory = watchMemory(world, server, minutes * 60);
     const folder = mkdtempSync(join(tmpdir(), 'rivage-soak-'));
     try {
       writeFileSync(join(folder, 'mix.json'), JSON.stringify(kMix));
