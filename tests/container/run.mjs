@@ -48,12 +48,12 @@ async function play({name, fault, run}, faulty) {
 }
 
 async function main(engine) {
+  const images = new Images(engine);
   if (flags.includes('--clean')) {
-    await Images.removeAll();
+    await images.removeAll();
     return;
   }
   const since = Date.now();
-  const images = new Images(engine);
   if (!flags.includes('--built')) await images.makeAll();
   const built = seconds(since);
   for (const scenario of scenarios) await play(scenario, flags.includes('--faults'));

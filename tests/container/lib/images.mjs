@@ -85,7 +85,12 @@ export class Images {
     return {base, server: await own('server'), client: await own('client')};
   }
 
-  static async removeAll() {
+  // In an engine of our own, also what earlier builds left behind.
+  async removeAll() {
+    if (this.engine.own) {
+      await must(['system', 'prune', '--all', '--force', '--volumes']);
+      return;
+    }
     const names = (await docker(['images', '--format', '{{.Repository}}:{{.Tag}}', 'rivage-test/*'])).text;
     if (names) await docker(['rmi', '--force', ...names.split('\n')]);
   }
