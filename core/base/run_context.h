@@ -66,6 +66,15 @@ struct RunContext {
         return {code, code == ErrorCode::timedOut ? "the deadline of this conversion passed"
                                                   : "the conversion was cancelled"};
     }
+    /// For a part of a stage: what it reports from 0 to 1 is `from` to `to` of the stage.
+    [[nodiscard]] RunContext part(double from, double to) const {
+        RunContext context = *this;
+        if (progress)
+            context.progress = [whole = progress, from, to](Stage stage, double fraction) {
+                whole(stage, from + (to - from) * fraction);
+            };
+        return context;
+    }
 };
 
 }  // namespace rivage::core

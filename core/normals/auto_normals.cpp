@@ -20,8 +20,10 @@ constexpr double kSmoothRadius = 5;  // best or near it on balls of radius 3.5 t
 constexpr double kLargestRadius = 16;
 // A window may leave the tangent plane by this much at its rim, in voxels: radius^2 / 2R.
 constexpr double kSagitta = 1.0;
-constexpr float kStillSmooth = 1;  // flatness up to which windows may grow
-constexpr int kCreaseLinks = 5;    // links within which a disc of radius 4 matters to a surfel
+constexpr float kStillSmooth = 1;     // flatness up to which windows may grow
+constexpr double kSmoothShare = 0.4;  // of the time, before the creases
+constexpr double kCleanShare = 0.7;   // before what only noise needs
+constexpr int kCreaseLinks = 5;       // links within which a disc of radius 4 matters to a surfel
 
 /// How long the normals of smooth parts may diffuse, so that their windows reach the sagitta.
 Result<IdVector<SurfelId, float>> growth(const SurfelLinks& links, const NormalField& normals,
@@ -47,9 +49,8 @@ Result<void> takeRobust(const DigitalSurface& surface, const SurfelLinks& links,
                         const std::vector<double>& noise, const RunContext& run,
                         NormalField& normals) {
     const auto noiseAt = [&](SurfelId s) { return noise[index(surface.interfaceOf[s])]; };
-    if (std::all_of(noise.begin(), noise.end(), [](double level) { return level == 0; })) return {};
     const auto robust = robustNormals(
-        surface, links, [&](SurfelId s) { return noiseAt(s) > 0; }, run);
+        surface, links, [&](SurfelId s) { return noiseAt(s) > 0; }, run.part(kCleanShare, 1));
     if (!robust) return fail(robust.error());
     const bool done = parallelFor(normals.size(), run, [&](std::size_t i) {
         const SurfelId s{static_cast<std::uint32_t>(i)};
@@ -86,14 +87,18 @@ Result<NormalEstimate> autoNormals(const DigitalSurface& surface, const SurfelLi
                                    std::optional<double> radius, const RunContext& run) {
     const auto cut = cutSharpEdges(surface, links, run);
     if (!cut) return fail(cut.error());
-    auto smooth = smoothNormals(surface, *cut, radius.value_or(kSmoothRadius), run);
+    auto smooth =
+        smoothNormals(surface, *cut, radius.value_or(kSmoothRadius), run.part(0, kSmoothShare));
     if (!smooth) return fail(smooth.error());
     const std::vector<double> noise = noiseLevels(surface, smooth->density, run);
+    const bool noisy =
+        std::any_of(noise.begin(), noise.end(), [](double level) { return level > 0; });
     auto bent = dilate(*cut, std::move(smooth->flatness), kCreaseLinks, run);
     serialFor(bent.size(), run, [&](std::size_t i) {
         if (noise[index(surface.interfaceOf.raw()[i])] == 1) bent.raw()[i] = 0;
     });
-    const auto creases = creaseNormals(surface, *cut, bent, run);
+    const auto creases =
+        creaseNormals(surface, *cut, bent, run.part(kSmoothShare, noisy ? kCleanShare : 1));
     if (!creases) return fail(creases.error());
 
     IdVector<SurfelId, float> rounds(surface.surfelCount(), 0);
@@ -109,8 +114,9 @@ Result<NormalEstimate> autoNormals(const DigitalSurface& surface, const SurfelLi
         (*normals)[s] = blend((*normals)[s].normalized(), creases->normals[s], creases->share[s]);
     });
     if (!blended) return fail(run.stopError());
-    if (const auto robust = takeRobust(surface, links, noise, run, *normals); !robust)
-        return fail(robust.error());
+    if (noisy)
+        if (const auto robust = takeRobust(surface, links, noise, run, *normals); !robust)
+            return fail(robust.error());
     return NormalEstimate{
         *std::move(normals),
         describe(surface, creases->share, rounds, radius.value_or(kSmoothRadius), noise, run)};
@@ -126,7 +132,8 @@ Result<NormalField> discVoteNormals(const DigitalSurface& surface, const SurfelL
     const auto vote = [&](SurfelId s, PatchWalker& walker) {
         normals[s] = voting.vote(s, walker).normal;
     };
-    if (!forEachSurfel(surface, *cut, run, choose) || !forEachSurfel(surface, *cut, run, vote))
+    if (!forEachSurfel(surface, *cut, run.part(0, 0.5), choose) ||
+        !forEachSurfel(surface, *cut, run.part(0.5, 1), vote))
         return fail(run.stopError());
     return normals;
 }

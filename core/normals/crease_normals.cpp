@@ -18,6 +18,8 @@ constexpr double kCreased = 1.7;  // flatness from which it does
 constexpr double kPlanarRadius = 4;
 constexpr double kPlanarSpread = 0.07;  // of votes, radians: below it the sides are planar
 constexpr double kCurvedSpread = 0.15;  // above it they are curved
+constexpr double kChosen = 0.5;         // shares of the time
+constexpr double kVoted = 0.9;
 constexpr BilateralWindow kCurvedSide{.radius = 5, .angle = 0.5};
 
 }  // namespace
@@ -53,9 +55,9 @@ Result<CreaseNormals> creaseNormals(const DigitalSurface& surface, const SurfelL
         creases.normals[s] =
             blend(guide[s], bilateralNormal(surface, guide, walker, s, kCurvedSide), curved);
     };
-    const bool done = forEachSurfel(surface, links, run, choose) &&
-                      forEachSurfel(surface, links, run, vote) &&
-                      forEachSurfel(surface, links, run, refine);
+    const bool done = forEachSurfel(surface, links, run.part(0, kChosen), choose) &&
+                      forEachSurfel(surface, links, run.part(kChosen, kVoted), vote) &&
+                      forEachSurfel(surface, links, run.part(kVoted, 1), refine);
     if (!done) return fail(run.stopError());
     return creases;
 }

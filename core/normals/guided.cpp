@@ -19,17 +19,17 @@ Result<NormalField> guidedNormals(const DigitalSurface& surface, const SurfelLin
                                   double radius, const RunContext& run) {
     NormalField discs(surface.surfelCount());
     IdVector<SurfelId, double> excess(surface.surfelCount());
-    const bool measured = forEachSurfel(surface, links, run, [&](SurfelId s, PatchWalker& walker) {
+    const auto measure = [&](SurfelId s, PatchWalker& walker) {
         walkDiscs(surface, walker, s, std::span(&radius, 1), [&](std::size_t, const Disc& disc) {
             discs[s] = disc.normal;
             excess[s] = std::max(0.0, (disc.coherent() ? disc.flatness : kIncoherent) - kFlat);
             return true;
         });
-    });
-    if (!measured) return fail(run.stopError());
+    };
+    if (!forEachSurfel(surface, links, run.part(0, 0.5), measure)) return fail(run.stopError());
 
     NormalField normals(surface.surfelCount());
-    const bool done = forEachSurfel(surface, links, run, [&](SurfelId s, PatchWalker& walker) {
+    const auto choose = [&](SurfelId s, PatchWalker& walker) {
         double least = kIncoherent;
         walker.walk(s, radius,
                     [&](SurfelId g, const Vec3d&, double) { least = std::min(least, excess[g]); });
@@ -40,8 +40,8 @@ Result<NormalField> guidedNormals(const DigitalSurface& surface, const SurfelLin
         });
         constexpr double kCancelled = 1e-9;
         normals[s] = sum.norm() > kCancelled ? Vec3d(sum.normalized()) : discs[s];
-    });
-    if (!done) return fail(run.stopError());
+    };
+    if (!forEachSurfel(surface, links, run.part(0.5, 1), choose)) return fail(run.stopError());
     return normals;
 }
 

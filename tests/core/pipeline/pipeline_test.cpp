@@ -96,6 +96,23 @@ TEST_SUITE("core/pipeline") {
         CHECK(last == 1);
     }
 
+    TEST_CASE("stages: the normals tell how far they are, ever further") {
+        for (const NormalMethod method :
+             {NormalMethod::automatic, NormalMethod::guided, NormalMethod::robust}) {
+            CAPTURE(static_cast<int>(method));
+            std::vector<double> fractions;
+            const RunContext run{.threads = 2, .progress = [&](Stage stage, double fraction) {
+                                     if (stage == Stage::normals) fractions.push_back(fraction);
+                                 }};
+            auto options = quick();
+            options.method.normals.method = method;
+            REQUIRE(convert(sample("balls"), options, {}, run));
+            CHECK(std::is_sorted(fractions.begin(), fractions.end()));
+            CHECK(fractions.size() > 10);
+            CHECK(fractions.back() > 0.9);
+        }
+    }
+
     TEST_CASE("reject: a stop at any poll ends in its error, never in an artifact") {
         const auto bytes = sample("balls");
         std::size_t total = 0;
