@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -64,15 +63,6 @@ std::string complaint(const CLI::App& app, const std::vector<std::string>& argum
 tl::unexpected<ExitCode> complain(Console& console, const std::string& text) {
     console.err << "rivage: " << text << "\nRun with --help for more information.\n";
     return tl::unexpected(ExitCode::usage);
-}
-
-/// The key of the file, else that of the environment, else none.
-Outcome<std::string> apiKeyOf(const std::string& file) {
-    if (!file.empty()) return readApiKey(file);
-    const char* key = std::getenv("RIVAGE_API_KEY");
-    if (key == nullptr || *key == '\0') return std::string();
-    if (!isApiKey(key)) return fail(ExitCode::usage, "RIVAGE_API_KEY holds no API key");
-    return std::string(key);
 }
 
 /// The options that the command sends: those of the input alone where nothing is converted.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
 #include <fstream>
 
 namespace rivage::client {
@@ -77,6 +78,14 @@ Outcome<std::string> readApiKey(const std::string& path) {
         return fail(ExitCode::usage, "This file holds no API key",
                     path + ": its first line has to be the key");
     return key;
+}
+
+Outcome<std::string> apiKeyOf(const std::string& file) {
+    if (!file.empty()) return readApiKey(file);
+    const char* key = std::getenv("RIVAGE_API_KEY");
+    if (key == nullptr || *key == '\0') return std::string();
+    if (!isApiKey(key)) return fail(ExitCode::usage, "RIVAGE_API_KEY holds no API key");
+    return std::string(key);
 }
 
 }  // namespace rivage::client

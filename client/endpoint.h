@@ -34,6 +34,11 @@ Outcome<Endpoint> parseEndpoint(std::string_view text);
 /// @errors usage if the file cannot be read or holds no key; the key itself is never shown
 Outcome<std::string> readApiKey(const std::string& path);
 
+/// The key of the file; without one that of RIVAGE_API_KEY; else none.
+/// @param file  empty: not named
+/// @errors usage if there is a file or a variable that holds no key
+Outcome<std::string> apiKeyOf(const std::string& file);
+
 /// Whether a text can be an API key: printable ASCII without spaces.
 [[nodiscard]] bool isApiKey(std::string_view text);
 

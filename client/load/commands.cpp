@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <utility>
@@ -36,15 +35,6 @@ Outcome<std::string> readText(const std::string& path) {
     if (file) text << file.rdbuf();
     if (!file) return fail(ExitCode::usage, proto::inQuotes(path) + " cannot be read");
     return text.str();
-}
-
-/// The key of the file, else that of the environment, else none.
-Outcome<std::string> apiKeyOf(const std::string& file) {
-    if (!file.empty()) return readApiKey(file);
-    const char* key = std::getenv("RIVAGE_API_KEY");
-    if (key == nullptr || *key == '\0') return std::string();
-    if (!isApiKey(key)) return fail(ExitCode::usage, "RIVAGE_API_KEY holds no API key");
-    return std::string(key);
 }
 
 Outcome<ServerAccess> accessOf(const LoadOptions& options, const std::string& url) {
