@@ -9,17 +9,13 @@
 #include <utility>
 
 #include "client/command_tree.h"
+#include "client/printable.h"
+#include "client/reference/joined.h"
 #include "client/settings.h"
 #include "proto/option_table.h"
 
 namespace rivage::client {
 namespace {
-
-std::string joined(const std::vector<std::string>& words) {
-    std::string text;
-    for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-    return text;
-}
 
 void addOptionNames(const CLI::App& command, std::vector<std::string>& names) {
     for (const CLI::Option* option : command.get_options())
@@ -60,9 +56,14 @@ std::string complaint(const CLI::App& app, const std::vector<std::string>& argum
            "; there are " + known;
 }
 
+/// @param text  one line
 tl::unexpected<ExitCode> complain(Console& console, const std::string& text) {
-    console.err << "rivage: " << text << "\nRun with --help for more information.\n";
+    console.err << "rivage: " << printable(text) << "\nRun with --help for more information.\n";
     return tl::unexpected(ExitCode::usage);
+}
+
+tl::unexpected<ExitCode> complain(Console& console, const Failure& failure) {
+    return complain(console, describe(failure));
 }
 
 /// The options that the command sends: those of the input alone where nothing is converted.
@@ -93,7 +94,7 @@ std::string takeFormatOfName(const std::string& out, Parsed& parsed) {
     const auto given = parsed.options.find("output");
     if (given == parsed.options.end() && known) parsed.options["output"] = format;
     if (given == parsed.options.end() && !known)
-        return out + ": no result is a ." + format + ", they are " + joined(info->words) +
+        return out + ": no result is a ." + format + ", they are " + joined(info->words, ", ") +
                "; with --output any name will do";
     if (given != parsed.options.end() && known && given->second != format)
         return out + " is no name for --output " + given->second;
@@ -119,7 +120,7 @@ CommandLine finish(const CLI::App& app, Parsed& parsed, const std::vector<Settin
     invocation.timeout =
         std::chrono::milliseconds(static_cast<std::int64_t>(1000 * parsed.seconds));
     auto key = apiKeyOf(parsed.apiKeyFile);
-    if (!key) return complain(console, describe(key.error()));
+    if (!key) return complain(console, key.error());
     invocation.apiKey = *std::move(key);
     if (!invocation.caFile.empty() && access(invocation.caFile.c_str(), R_OK) != 0)
         return complain(console, "--ca-file: cannot read " + invocation.caFile);
@@ -164,8 +165,8 @@ CommandLine parseCommandLine(const std::vector<std::string>& arguments, Console&
         parsed.invocation.command = command;
         return std::move(parsed.invocation);
     }
-    if (!applied) return complain(console, describe(applied.error()));
-    if (auto known = checkVariables(app); !known) return complain(console, describe(known.error()));
+    if (!applied) return complain(console, applied.error());
+    if (auto known = checkVariables(app); !known) return complain(console, known.error());
     return finish(app, parsed, *settings, console);
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "client/printable.h"
+
 namespace rivage::client {
 namespace {
 
@@ -19,13 +21,6 @@ ExitCode exitOf(int status) {
         case 502: return ExitCode::unreachable;
         default: return status >= 400 && status < 500 ? ExitCode::refused : ExitCode::failed;
     }
-}
-
-/// One line of text: control characters would reach the terminal.
-std::string printable(std::string text) {
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-    return text;
 }
 
 }  // namespace
@@ -64,7 +59,7 @@ std::string describe(const Failure& failure) {
     std::string text = textOf(problem, "title");
     const std::string detail = textOf(problem, "detail");
     if (!detail.empty()) text += ": " + detail;
-    text = printable(std::move(text));
+    text = printable(text);
     for (const char* name : {"field", "limit", "actual", "setting"}) {
         const auto member = problem.find(name);
         if (member == problem.end()) continue;

@@ -1,6 +1,7 @@
 #include "client/job_calls.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 namespace rivage::client {
@@ -13,6 +14,7 @@ constexpr milliseconds kFirstPause{30};
 constexpr milliseconds kLongestPause{250};
 constexpr const char* kLongPoll = "wait=10";  ///< seconds
 constexpr std::size_t kPage = 100;
+constexpr std::size_t kMostJobs = 1'000'000;  ///< more than any server keeps
 constexpr SendOptions kPatient{.sink = nullptr, .patient = true};
 
 tl::unexpected<Failure> notUnderstood(const std::string& what) {
@@ -108,7 +110,9 @@ Outcome<std::vector<Json>> listJobs(Transport& transport, const JobQuery& query)
     std::vector<Json> jobs;
     std::string path = "/v1/jobs?limit=" + std::to_string(std::min(most, kPage));
     if (!query.state.empty()) path += "&state=" + query.state;
+    std::set<std::string> asked;
     while (!path.empty()) {
+        if (!asked.insert(path).second) return notUnderstood("a list of jobs that goes in circles");
         const auto response = transport.send(makeRequest("GET", path));
         if (!response) return tl::unexpected(response.error());
         const Json page = readAnswer(response->body);
@@ -116,6 +120,7 @@ Outcome<std::vector<Json>> listJobs(Transport& transport, const JobQuery& query)
             return notUnderstood("expected a list of jobs");
         for (const Json& job : page["jobs"])
             if (job.is_object() && jobs.size() < most) jobs.push_back(job);
+        if (jobs.size() > kMostJobs) return notUnderstood("a list of jobs without an end");
         path = jobs.size() < most && !page["jobs"].empty() ? textOf(page, "next") : std::string();
         if (!path.empty() && !path.starts_with("/v1/jobs?")) return notUnderstood("a foreign link");
     }

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <utility>
+
+#include "client/printable.h"
 
 namespace rivage::client {
 namespace {
@@ -40,13 +41,16 @@ std::string shortened(const std::string& name, int most) {
 std::string phase(const JobProgress& progress) {
     if (progress.state.empty()) return "sending";
     if (progress.state != "queued") {
-        std::string text = progress.stage.empty() ? progress.state : progress.stage;
+        std::string text = printable(progress.stage.empty() ? progress.state : progress.stage);
         if (progress.energy) text += formatted(", energy %.5g", *progress.energy);
         return text;
     }
     if (!progress.queuePosition || *progress.queuePosition == 0) return "queued";
-    return formatted("queued behind %.0f", *progress.queuePosition);
+    return "queued behind " + countText(*progress.queuePosition);
 }
+
+/// Within 0 and 1, also what is no number.
+double within(double share) { return share > 0 ? std::min(share, 1.0) : 0; }
 
 }  // namespace
 
@@ -59,9 +63,9 @@ ProgressBoard::~ProgressBoard() {
     console_.err << std::flush;
 }
 
-std::size_t ProgressBoard::begin(std::string name) {
+std::size_t ProgressBoard::begin(const std::string& name) {
     const std::lock_guard lock(mutex_);
-    lines_[begun_] = {.name = std::move(name)};
+    lines_[begun_] = {.name = printable(name)};
     erase();
     draw();
     return begun_++;
@@ -117,9 +121,9 @@ void ProgressBoard::draw() {
 }
 
 std::string ProgressBoard::text(const Line& line) const {
-    const double fraction = std::clamp(line.progress.fraction, 0.0, 1.0);
+    const double fraction = within(line.progress.fraction);
     const std::chrono::duration<double> time = Clock::now() - line.start;
-    const std::string words = formatted(" %.0f %% ", 100 * fraction) + phase(line.progress) +
+    const std::string words = " " + percentText(fraction) + " " + phase(line.progress) +
                               formatted(" %.1f s", time.count());
     const std::string name = shortened(line.name, console_.width / 3);
     const int left = console_.width - static_cast<int>(name.size()) - kWordsWidth;
@@ -127,14 +131,19 @@ std::string ProgressBoard::text(const Line& line) const {
     if (left >= kNarrowestBar) text += " " + bar(fraction, std::min(left, kWidestBar));
     text += words;
     // A line that wraps would be two, and could not be erased as one.
-    text.resize(std::min(text.size(), static_cast<std::size_t>(std::max(console_.width - 1, 1))));
-    return text;
+    return cutTo(text, static_cast<std::size_t>(std::max(console_.width - 1, 1)));
+}
+
+std::string percentText(double share) { return formatted("%.0f %%", 100 * within(share)); }
+
+std::string countText(double count) {
+    return formatted(std::abs(count) < 1e9 ? "%.0f" : "%.0e", count);
 }
 
 std::string bytesText(double bytes) {
     if (bytes < 1e3) return formatted("%.0f B", bytes);
     if (bytes < 1e6) return formatted("%.1f kB", bytes / 1e3);
-    return formatted("%.1f MB", bytes / 1e6);
+    return formatted(bytes < 1e15 ? "%.1f MB" : "%.0e MB", bytes / 1e6);
 }
 
 std::string secondsText(double seconds) { return formatted("%.2f s", seconds); }

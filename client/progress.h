@@ -22,7 +22,7 @@ public:
     ProgressBoard& operator=(const ProgressBoard&) = delete;
 
     /// A bar for a file; the number to name it by.
-    std::size_t begin(std::string name);
+    std::size_t begin(const std::string& name);
     void update(std::size_t line, const JobProgress& progress);
     /// Takes a bar away.
     /// @return  the seconds since `begin`
@@ -52,6 +52,12 @@ private:
     std::size_t ended_ = 0;
     int drawn_ = 0;  ///< lines on the terminal
 };
+
+/// A share of 0 to 1 in percent, "42 %"; what is beyond, or no number, becomes the nearer end.
+[[nodiscard]] std::string percentText(double share);
+
+/// A count of a server, of which there is no telling how large it is: "3", "1e+300".
+[[nodiscard]] std::string countText(double count);
 
 /// A number of bytes for a person: "812 B", "93.1 kB", "4.2 MB".
 [[nodiscard]] std::string bytesText(double bytes);

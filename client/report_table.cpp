@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "client/failure.h"
+#include "client/printable.h"
 #include "client/progress.h"
+#include "client/reference/joined.h"
 
 namespace rivage::client {
 namespace {
@@ -41,7 +43,7 @@ std::string padded(std::string text, int width) {
 }
 
 std::string row(const std::string& name, const std::string& text) {
-    return "  " + padded(name, kNameWidth) + text + "\n";
+    return "  " + padded(printable(name), kNameWidth) + printable(text) + "\n";
 }
 
 const Json& member(const Json& object, const char* name) {
@@ -57,13 +59,11 @@ std::string dimsText(const Json& dims) {
     return text;
 }
 
-std::string joined(const std::vector<std::string>& items) {
-    std::string text;
-    for (std::size_t i = 0; i < std::min(items.size(), kMostItems); ++i)
-        text += (i == 0 ? "" : ", ") + items[i];
-    if (items.size() > kMostItems)
-        text += " and " + std::to_string(items.size() - kMostItems) + " more";
-    return text;
+/// The first of the items, and how many more there are.
+std::string listText(std::vector<std::string> items) {
+    const std::size_t more = items.size() - std::min(items.size(), kMostItems);
+    items.resize(items.size() - more);
+    return joined(items, ", ") + (more > 0 ? " and " + std::to_string(more) + " more" : "");
 }
 
 std::string inputRows(const Json& input, const Json& closed) {
@@ -77,7 +77,7 @@ std::string inputRows(const Json& input, const Json& closed) {
         const bool open = closed.contains(name) && closed[name] == Json(false);
         labels.push_back(name + " " + count(numberOf(label, "voxels")) + (open ? " (open)" : ""));
     }
-    return labels.empty() ? rows : rows + row("labels", joined(labels));
+    return labels.empty() ? rows : rows + row("labels", listText(labels));
 }
 
 std::string energyRows(const Json& energy) {
@@ -100,7 +100,8 @@ std::string timeRow(const Json& milliseconds) {
     for (const auto& [stage, value] : milliseconds.items()) {
         if (!value.is_number()) continue;
         char part[96];
-        std::snprintf(part, sizeof part, "%.1f", value.get<double>());
+        const double time = value.get<double>();
+        std::snprintf(part, sizeof part, std::abs(time) < 1e15 ? "%.1f" : "%.0e", time);
         text += (text.empty() ? "" : ", ") + stage + " " + part;
     }
     return text.empty() ? text : row("time", text + " ms");
@@ -171,7 +172,7 @@ std::string optionTable(const Json& answer) {
     for (const Json& option : member(answer, "options")) {
         if (textOf(option, "group") != group) {
             group = textOf(option, "group");
-            text += (text.empty() ? "" : "\n") + group + "\n";
+            text += (text.empty() ? "" : "\n") + printable(group) + "\n";
         }
         std::vector<std::string> allowed;
         for (const Json& value : member(option, "values")) allowed.push_back(valueText(value));
@@ -182,9 +183,9 @@ std::string optionTable(const Json& answer) {
         std::string flag = "--" + textOf(option, "name");
         std::replace(flag.begin(), flag.end(), '_', '-');
         const Json& normal = member(option, "default");
-        text += "  " + padded(flag, 23) + joined(allowed);
-        if (!normal.is_null()) text += "; default " + valueText(normal);
-        text += "\n" + std::string(25, ' ') + textOf(option, "description") + "\n";
+        text += "  " + padded(printable(flag), 23) + printable(listText(allowed));
+        if (!normal.is_null()) text += "; default " + printable(valueText(normal));
+        text += "\n" + std::string(25, ' ') + printable(textOf(option, "description")) + "\n";
     }
     return text;
 }

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "client/conversion.h"
+#include "client/printable.h"
 #include "client/progress.h"
 #include "client/report_table.h"
 #include "client/target.h"
@@ -77,7 +78,8 @@ private:
 
     FileOutcome one(const PlannedFile& file) {
         if (session_.invocation.ifNewer && isUpToDate(file, options_)) {
-            tell(file, "is up to date: " + file.output, {{"skipped", true}}, Json::object());
+            tell(file, "is up to date: " + printable(file.output), {{"skipped", true}},
+                 Json::object());
             return {.skipped = true};
         }
         const std::size_t line = board_.begin(file.input);
@@ -89,8 +91,9 @@ private:
         if (!converted) return failed(file, converted.error(), seconds);
 
         const auto& [conversion, bytes] = *converted;
-        std::string words = painted(session_.console, Tone::good, "->") + " " + file.output + ", " +
-                            bytesText(static_cast<double>(bytes)) + ", " + secondsText(seconds);
+        std::string words = painted(session_.console, Tone::good, "->") + " " +
+                            printable(file.output) + ", " + bytesText(static_cast<double>(bytes)) +
+                            ", " + secondsText(seconds);
         if (files_.size() == 1 && !session_.invocation.json && !session_.invocation.watch)
             words += "\n" + reportTable(conversion.report);
         tell(file, words, {{"job", conversion.job}, {"bytes", bytes}, {"seconds", seconds}},
@@ -111,7 +114,7 @@ private:
         tellJson(file, std::move(run), document);
         if (session_.invocation.quiet) return;
         board_.say(session_.console.err,
-                   file.input + " " + words + (words.ends_with('\n') ? "" : "\n"));
+                   printable(file.input) + " " + words + (words.ends_with('\n') ? "" : "\n"));
     }
 
     /// The report or the problem, with what this run adds to it.
@@ -120,7 +123,7 @@ private:
         run["input"] = file.input;
         run["output"] = file.output;
         document["run"] = std::move(run);
-        board_.say(session_.console.out, proto::writeJson(document) + "\n");
+        board_.say(session_.console.out, jsonLine(document));
     }
 
     Session& session_;

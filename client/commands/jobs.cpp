@@ -1,9 +1,10 @@
-#include <cstdio>
+#include <algorithm>
 #include <filesystem>
 
 #include "client/commands/session.h"
 #include "client/inputs.h"
 #include "client/job_calls.h"
+#include "client/printable.h"
 #include "client/progress.h"
 #include "client/target.h"
 
@@ -15,22 +16,40 @@ using proto::Json;
 /// What one command does with one job; the answer is shown.
 using JobAction = Outcome<Json> (*)(Session&, const std::string& id, ProgressBoard&);
 
+std::string columns(const std::string& id, const std::string& state, const std::string& stage,
+                    const std::string& done, const std::string& created) {
+    std::string line;
+    const auto add = [&line](const std::string& text, std::size_t width) {
+        line += text + std::string(text.size() < width ? width - text.size() : 0, ' ');
+    };
+    add(id, 36);
+    add("  " + state, 12);
+    add(stage, 11);
+    line += std::string(done.size() < 5 ? 5 - done.size() : 0, ' ') + done;
+    return line + "  " + created;
+}
+
+/// A time of the wire to the second, with its zone: "2026-01-02T03:04:05Z".
+std::string timeText(const std::string& time) {
+    const std::size_t point = time.find('.');
+    const std::size_t zone = time.find_first_not_of("0123456789", std::min(point, time.size()) + 1);
+    if (point == std::string::npos || zone == std::string::npos) return time;
+    return time.substr(0, point) + time.substr(zone);
+}
+
 std::string jobLine(const Json& job) {
-    char text[160];
-    std::snprintf(text, sizeof text, "%-36s  %-9s %-10s %3.0f %%  %.19s", textOf(job, "id").c_str(),
-                  textOf(job, "state").c_str(), textOf(job, "stage").c_str(),
-                  100 * numberOf(job, "progress"), textOf(job, "created").c_str());
-    std::string line = text;
+    std::string line =
+        columns(textOf(job, "id"), textOf(job, "state"), textOf(job, "stage"),
+                percentText(numberOf(job, "progress")), timeText(textOf(job, "created")));
     if (const JobProgress progress = progressOf(job); progress.queuePosition)
-        line += "  " + std::to_string(static_cast<int>(*progress.queuePosition)) + " ahead";
+        line += "  " + countText(*progress.queuePosition) + " ahead";
     const auto error = job.find("error");
     if (error != job.end() && error->is_object()) line += "  " + textOf(*error, "title");
-    return line + "\n";
+    return printable(line) + "\n";
 }
 
 void show(Session& session, ProgressBoard& board, const Json& job) {
-    board.say(session.console.out,
-              session.invocation.json ? proto::writeJson(job) + "\n" : jobLine(job));
+    board.say(session.console.out, session.invocation.json ? jsonLine(job) : jobLine(job));
 }
 
 /// Does something with every job that was named; the exit code is that of the first that failed.
@@ -42,8 +61,7 @@ ExitCode forEachJob(Session& session, JobAction action) {
         if (session.interrupt.requested()) return ExitCode::cancelled;
         const Outcome<Json> done = action(session, id, board);
         if (done) continue;
-        if (session.invocation.json)
-            board.say(session.console.out, proto::writeJson(done.error().problem) + "\n");
+        if (session.invocation.json) board.say(session.console.out, jsonLine(done.error().problem));
         board.say(session.console.err, complaintText(session, id, done.error(), {}));
         if (first == ExitCode::ok) first = done.error().exit;
         if (done.error().exit == ExitCode::unreachable) break;
@@ -79,18 +97,28 @@ Outcome<Json> wait(Session& session, const std::string& id, ProgressBoard& board
     return reportOf(*job);
 }
 
+std::string endText(const std::string& state) {
+    if (state == "succeeded") return "it succeeded, and its result stays";
+    if (state == "failed") return "it failed";
+    return state == "canceled" ? "it was cancelled" : state;
+}
+
 Outcome<Json> cancel(Session& session, const std::string& id, ProgressBoard& board) {
     Transport transport = session.connect();
     auto job = getJob(transport, id);
     if (!job) return job;
     // The same request would make the server forget a job that has ended, and its result.
     const std::string state = textOf(*job, "state");
-    if (state == "queued" || state == "running") {
+    const bool open = state == "queued" || state == "running";
+    if (open) {
         const auto deleted = transport.send(makeDeletion(id));
         if (!deleted) return tl::unexpected(deleted.error());
         (*job)["state"] = "canceled";
     }
     show(session, board, *job);
+    if (!open && !session.invocation.quiet)
+        board.say(session.console.err,
+                  id + " had already ended: " + printable(endText(state)) + "\n");
     return job;
 }
 
@@ -125,11 +153,11 @@ Outcome<Json> fetch(Session& session, const std::string& id, ProgressBoard& boar
     if (auto committed = target->commit(); !committed) return tl::unexpected(committed.error());
     if (session.invocation.json && place != kStandardStream) {
         (*report)["run"] = {{"job", id}, {"output", place}, {"bytes", size}};
-        board.say(session.console.out, proto::writeJson(*report) + "\n");
+        board.say(session.console.out, jsonLine(*report));
     }
     if (!session.invocation.quiet)
-        board.say(session.console.err,
-                  id + " -> " + place + ", " + bytesText(static_cast<double>(size)) + "\n");
+        board.say(session.console.err, id + " -> " + printable(place) + ", " +
+                                           bytesText(static_cast<double>(size)) + "\n");
     return report;
 }
 
@@ -140,9 +168,10 @@ ExitCode runJobsList(Session& session) {
     const auto jobs =
         listJobs(transport, {session.invocation.jobState, session.invocation.jobLimit});
     if (!jobs) return complain(session.invocation, session.console, {}, jobs.error());
+    if (session.console.outIsTerminal && !session.invocation.json && !jobs->empty())
+        session.console.out << columns("JOB", "STATE", "STAGE", "DONE", "CREATED") << "\n";
     for (const Json& job : *jobs)
-        session.console.out << (session.invocation.json ? proto::writeJson(job) + "\n"
-                                                        : jobLine(job));
+        session.console.out << (session.invocation.json ? jsonLine(job) : jobLine(job));
     session.console.out << std::flush;
     return session.console.out ? ExitCode::ok : ExitCode::notWritten;
 }

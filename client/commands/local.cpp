@@ -5,6 +5,7 @@
 #include "client/commands/session.h"
 #include "client/compare/compare.h"
 #include "client/manual.h"
+#include "client/printable.h"
 #include "client/reference/reference.h"
 
 namespace rivage::client {
@@ -32,8 +33,7 @@ ExitCode runCompare(const Invocation& invocation, Console& console) {
     if (!b) return complain(invocation, console, {}, b.error());
     const auto comparison = compareAssets(*a, *b, settings);
     if (!comparison) return complain(invocation, console, {}, comparison.error());
-    console.out << (invocation.json ? proto::writeJson(*comparison) + "\n"
-                                    : comparisonTable(*comparison))
+    console.out << (invocation.json ? jsonLine(*comparison) : comparisonTable(*comparison))
                 << std::flush;
     return console.out ? exitOf(*comparison) : ExitCode::notWritten;
 }

@@ -1,5 +1,6 @@
 #include "client/commands/session.h"
 #include "client/inputs.h"
+#include "client/printable.h"
 #include "client/progress.h"
 #include "client/report_table.h"
 #include "client/target.h"
@@ -24,8 +25,7 @@ ExitCode show(Session& session, const httplib::Request& request,
         return stop(session, {},
                     failureWith(ExitCode::failed, "The server's answer is not understood",
                                 "expected a JSON object"));
-    session.console.out << (session.invocation.json ? proto::writeJson(json) + "\n" : table(json))
-                        << std::flush;
+    session.console.out << (session.invocation.json ? jsonLine(json) : table(json)) << std::flush;
     return session.console.out ? ExitCode::ok : ExitCode::notWritten;
 }
 
@@ -33,8 +33,9 @@ std::string sampleList(const Json& answer) {
     std::string text;
     for (const Json& sample : answer.value("samples", Json::array())) {
         const std::string name =
-            sample.is_string() ? sample.get<std::string>() : textOf(sample, "name");
-        const std::string words = sample.is_object() ? textOf(sample, "description") : "";
+            printable(sample.is_string() ? sample.get<std::string>() : textOf(sample, "name"));
+        const std::string words =
+            printable(sample.is_object() ? textOf(sample, "description") : "");
         text += name;
         if (!words.empty())
             text += std::string(name.size() < 16 ? 16 - name.size() : 1, ' ') + words;
@@ -58,7 +59,7 @@ Outcome<std::uint64_t> fetchSample(Session& session, const std::string& name,
 }
 
 std::string healthLine(const Json& answer) {
-    return textOf(answer, "name") + " " + textOf(answer, "version") + " answers\n";
+    return printable(textOf(answer, "name") + " " + textOf(answer, "version")) + " answers\n";
 }
 
 }  // namespace
@@ -76,12 +77,10 @@ ExitCode runSample(Session& session) {
     const auto size = fetchSample(session, name, out);
     if (!size) return stop(session, name, size.error());
     if (session.invocation.json && out != kStandardStream)
-        session.console.out << proto::writeJson(
-                                   {{"sample", name}, {"output", out}, {"bytes", *size}})
-                            << "\n"
+        session.console.out << jsonLine({{"sample", name}, {"output", out}, {"bytes", *size}})
                             << std::flush;
     if (!session.invocation.quiet && out != kStandardStream)
-        session.console.err << name << " -> " << out << ", "
+        session.console.err << printable(name) << " -> " << printable(out) << ", "
                             << bytesText(static_cast<double>(*size)) << "\n";
     return ExitCode::ok;
 }

@@ -1,10 +1,13 @@
 #include "client/commands/session.h"
 
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
 
 #include "client/inputs.h"
+#include "client/printable.h"
+#include "client/reference/command_tree.h"
 
 namespace rivage::client {
 namespace {
@@ -31,8 +34,13 @@ std::string quoted(const std::string& word) {
                                             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
                                             "0123456789-_./:=@%+,") == std::string::npos;
     if (plain) return word;
-    std::string text = "'";
-    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    if (printable(word) == word) return shellQuoted(word);
+    std::string text = "$'";  // every byte as a number: bash, zsh and ksh take that
+    for (const char c : word) {
+        char number[8];
+        std::snprintf(number, sizeof number, "\\x%02x", static_cast<unsigned char>(c));
+        text += number;
+    }
     return text + "'";
 }
 
@@ -55,15 +63,16 @@ Transport Session::connect() const {
 
 std::string complaintText(const Session& session, const std::string& about, const Failure& failure,
                           const std::string& output) {
-    return painted(session.console, Tone::bad, "rivage: ") + (about.empty() ? "" : about + ": ") +
-           describe(failure) + "\n" + recovery(session, failure, output);
+    return painted(session.console, Tone::bad, "rivage: ") +
+           (about.empty() ? "" : printable(about) + ": ") + describe(failure) + "\n" +
+           recovery(session, failure, output);
 }
 
 ExitCode complain(const Invocation& invocation, Console& console, const std::string& about,
                   const Failure& failure) {
-    if (invocation.json) console.out << proto::writeJson(failure.problem) << "\n" << std::flush;
-    console.err << painted(console, Tone::bad, "rivage: ") << (about.empty() ? "" : about + ": ")
-                << describe(failure) << "\n"
+    if (invocation.json) console.out << jsonLine(failure.problem) << std::flush;
+    console.err << painted(console, Tone::bad, "rivage: ")
+                << (about.empty() ? "" : printable(about) + ": ") << describe(failure) << "\n"
                 << std::flush;
     return failure.exit;
 }

@@ -5,6 +5,7 @@
 
 #include "client/compare/compare.h"
 #include "client/compare/glb_document.h"
+#include "client/printable.h"
 
 namespace rivage::client {
 namespace {
@@ -14,12 +15,10 @@ using proto::Json;
 constexpr std::size_t kNameWidth = 28;
 constexpr std::size_t kColumnWidth = 20;
 
-/// Names come from files: what would steer a terminal is shown as '?', a long one is cut.
-std::string printable(std::string text) {
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+/// What a file says, on one line that is not too long.
+std::string shown(const std::string& text) {
     constexpr std::size_t kShown = 200;
-    return text.size() > kShown ? text.substr(0, kShown) + "..." : text;
+    return printable(cutTo(text, kShown)) + (text.size() > kShown ? "..." : "");
 }
 
 std::string padded(std::string text, std::size_t width) {
@@ -80,14 +79,14 @@ std::string placeText(const Json& place) {
 }
 
 std::string fileLines(const Json& a, const Json& b) {
-    std::string text = line("", printable(textOf(a, "name")), printable(textOf(b, "name")));
+    std::string text = line("", shown(textOf(a, "name")), shown(textOf(b, "name")));
     text += line("format", textOf(a, "format"), textOf(b, "format"));
     const Json& bytesA = memberOf(a, "bytes");
     const Json& bytesB = memberOf(b, "bytes");
     const auto bytes = [&](const std::string& name) {
         const Json& x = memberOf(bytesA, name.c_str());
         const Json& y = memberOf(bytesB, name.c_str());
-        return line(name == "file" ? "bytes" : "  " + printable(name), count(x), count(y),
+        return line(name == "file" ? "bytes" : "  " + shown(name), count(x), count(y),
                     change(x, y));
     };
     text += bytes("file");
@@ -120,12 +119,12 @@ std::string energyLines(const Json& energy) {
 std::string optionLines(const Json& options) {
     const auto value = [](const Json& one) {
         if (one.is_null()) return std::string("-");
-        return printable(one.is_string() ? one.get<std::string>() : proto::writeJson(one));
+        return shown(one.is_string() ? one.get<std::string>() : proto::writeJson(one));
     };
     std::string text;
     for (const Json& option : options)
-        text += line("option " + printable(textOf(option, "name")), value(option["a"]),
-                     value(option["b"]));
+        text +=
+            line("option " + shown(textOf(option, "name")), value(option["a"]), value(option["b"]));
     return text;
 }
 
@@ -143,7 +142,7 @@ std::string distanceLines(const Json& json) {
     text += line("  at (m)", placeText(there["at"]), placeText(back["at"]));
     for (const Json& part : json["parts"])
         if (json["parts"].size() > 1)
-            text += line("  max of " + printable(textOf(part, "name")),
+            text += line("  max of " + shown(textOf(part, "name")),
                          number(part["a_to_b"][unit]["max"]), number(part["b_to_a"][unit]["max"]));
     return text;
 }
@@ -161,7 +160,7 @@ std::string comparisonTable(const Json& json) {
                 number(Json(100 * json["colors"]["different"].get<double>()), "%.3g") +
                 " % of the surface\n";
     for (const Json& note : json["notes"])
-        text += "  " + padded("note", kNameWidth) + note.get<std::string>() + "\n";
+        text += "  " + padded("note", kNameWidth) + shown(note.get<std::string>()) + "\n";
     if (exitOf(json) != ExitCode::ok)
         text += "  " + padded("limit", kNameWidth) +
                 "exceeded: " + number(json["max_distance"]["voxels"]) + " voxels\n";

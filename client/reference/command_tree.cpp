@@ -171,10 +171,4 @@ std::string shellQuoted(const std::string& text) {
     return quoted + "'";
 }
 
-std::string joined(const std::vector<std::string>& texts, const char* between) {
-    std::string all;
-    for (std::size_t i = 0; i < texts.size(); ++i) all += (i == 0 ? "" : between) + texts[i];
-    return all;
-}
-
 }  // namespace rivage::client

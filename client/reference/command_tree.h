@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "client/reference/joined.h"
+
 namespace rivage::client {
 
 /// What may stand where an option wants its value.
@@ -57,8 +59,5 @@ struct TreeCommand {
 
 /// The text in single quotes for bash and zsh.
 [[nodiscard]] std::string shellQuoted(const std::string& text);
-
-/// The texts with `between` between them.
-[[nodiscard]] std::string joined(const std::vector<std::string>& texts, const char* between);
 
 }  // namespace rivage::client

@@ -92,6 +92,8 @@ TEST_CASE("jobs list: pages, limit, state") {
     CHECK(lineCount(listed({"--limit", "0"})) == 5);
     CHECK(listed({}).find("job-1") != std::string::npos);
     CHECK(listed({}).find("2026-01-02T03:04:05") != std::string::npos);
+    CHECK(listed({}).find("2026-01-02T03:04:05Z") != std::string::npos);
+    CHECK(listed({}).find("CREATED") == std::string::npos);
     listed({"--state", "failed", "--limit", "1"});
     CHECK(server.lastList == "/v1/jobs?limit=1&state=failed");
     std::istringstream lines(listed({"--json"}));
@@ -100,6 +102,18 @@ TEST_CASE("jobs list: pages, limit, state") {
     CHECK(proto::Json::parse(line)["id"] == "job-1");
     Run run;
     CHECK(server.jobs(run, {"list", "--state", "done"}).code == ExitCode::usage);
+}
+
+TEST_CASE("jobs list: a head for a person, none for a program") {
+    JobServer server;
+    for (const bool json : {false, true}) {
+        Run run;
+        run.outIsTerminal = true;
+        server.jobs(run, json ? std::vector<std::string>{"list", "--json"}
+                              : std::vector<std::string>{"list"});
+        CHECK((run.out.str().find("CREATED") != std::string::npos) == !json);
+        CHECK(lineCount(run.out.str()) == (json ? 5 : 6));
+    }
 }
 
 TEST_CASE("jobs status: several, one of which is not there") {
@@ -138,6 +152,9 @@ TEST_CASE("jobs cancel: only those that have not ended, as the others would be f
     std::string line;
     std::getline(lines, line);
     CHECK(proto::Json::parse(line)["state"] == "canceled");
+    CHECK(run.err.str() ==
+          "job-3 had already ended: it succeeded, and its result stays\n"
+          "job-4 had already ended: it failed\n");
 }
 
 TEST_CASE("jobs fetch: waits, and writes files, a folder or stdout") {

@@ -54,13 +54,6 @@ TEST_CASE("report table: every option with its range and default") {
     checkHas(text, "--untangle             true, false; default true");
 }
 
-TEST_CASE("failure: control characters of a server do not reach the terminal") {
-    const Failure failure = failureOf(400, R"({"title":"a\u001b[2J\nb","detail":"c\u0007"})");
-    const std::string text = describe(failure);
-    CHECK(text.find('\x1b') == std::string::npos);
-    CHECK(text.find('\x07') == std::string::npos);
-}
-
 TEST_SUITE_END();
 
 }  // namespace rivage::client

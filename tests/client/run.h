@@ -20,6 +20,7 @@ struct Run {
     std::ostringstream err;
     ExitCode code = ExitCode::ok;
     Interrupt interrupt;
+    bool outIsTerminal = false;
     RetryPolicy retry{.base = std::chrono::milliseconds(1), .cap = std::chrono::milliseconds(5)};
 
     explicit Run(std::string input = {}) : in(std::move(input)) {
@@ -27,7 +28,7 @@ struct Run {
     }
 
     Run& operator()(const std::vector<std::string>& arguments) {
-        Console console{in, out, err};
+        Console console{in, out, err, outIsTerminal};
         auto invocation = parseCommandLine(arguments, console);
         if (!invocation) {
             code = invocation.error();

@@ -89,6 +89,43 @@ TEST_CASE("reject: a stdout that takes nothing") {
     }
 }
 
+TEST_CASE("reject: a list of jobs whose next page is itself, or has no end") {
+    FakeServer server;
+    std::atomic<int> pages{0};
+    server.http.Get("/v1/jobs", [&](const httplib::Request&, httplib::Response& response) {
+        ++pages;
+        response.set_content(R"({"jobs":[{"id":"a"}],"next":"/v1/jobs?limit=1"})",
+                             "application/json");
+    });
+    server.start();
+    Run run;
+    run({"jobs", "list", "--limit", "0", "--server", server.url()});
+    CHECK(run.code == ExitCode::failed);
+    CHECK(run.err.str().find("goes in circles") != std::string::npos);
+    CHECK(pages == 2);
+}
+
+TEST_CASE("jobs: numbers of a server that are none of a job") {
+    FakeServer server;
+    server.http.Get("/v1/jobs/a", [](const httplib::Request&, httplib::Response& response) {
+        response.set_content(
+            R"({"id":"a","state":"queued","progress":1e308,"queue_position":-1e300,"created":7})",
+            "application/json");
+    });
+    server.http.Get("/v1/jobs/b", [](const httplib::Request&, httplib::Response& response) {
+        response.set_content(R"({"id":"b","state":"queued","progress":-7,"queue_position":1e300})",
+                             "application/json");
+    });
+    server.start();
+    Run run;
+    run({"jobs", "status", "a", "b", "--server", server.url()});
+    CHECK(run.code == ExitCode::ok);
+    CHECK(run.out.str().find("100 %") != std::string::npos);
+    CHECK(run.out.str().find("-1e+300 ahead") != std::string::npos);
+    CHECK(run.out.str().find("  0 %") != std::string::npos);
+    CHECK(run.out.str().find(" 1e+300 ahead") != std::string::npos);
+}
+
 TEST_SUITE_END();
 
 }  // namespace rivage::client
