@@ -128,8 +128,10 @@ CommandLine finish(const CLI::App& app, Parsed& parsed, const std::vector<Settin
         if (const std::string wrong = takeFormatOfName(invocation.out, parsed); !wrong.empty())
             return complain(console, wrong);
     invocation.options = optionsOf(invocation.command, parsed);
-    if (const auto valid = proto::parseOptions(invocation.options); !valid)
+    auto valid = proto::parseOptions(invocation.options);
+    if (!valid)
         return complain(console, valid.error().message + placeOf(valid.error(), parsed, settings));
+    invocation.inForce = *std::move(valid);
     if (invocation.command == Command::sample) {
         if (parsed.list)
             invocation.command = Command::listSamples;
@@ -140,6 +142,12 @@ CommandLine finish(const CLI::App& app, Parsed& parsed, const std::vector<Settin
 }
 
 }  // namespace
+
+ExitCode endOfOutput(Console& console) {
+    if (console.out.flush()) return ExitCode::ok;
+    console.err << "rivage: stdout cannot be written\n" << std::flush;
+    return ExitCode::notWritten;
+}
 
 CommandLine parseCommandLine(const std::vector<std::string>& arguments, Console& console) {
     CLI::App app(kProgramSentence, "rivage");
@@ -155,7 +163,7 @@ CommandLine parseCommandLine(const std::vector<std::string>& arguments, Console&
         app.parse(std::move(reversed));
     } catch (const CLI::Success& done) {
         app.exit(done, console.out, console.err);
-        return tl::unexpected(ExitCode::ok);
+        return tl::unexpected(endOfOutput(console));
     } catch (const CLI::ParseError& error) {
         return complain(console, complaint(app, arguments, error));
     }

@@ -39,6 +39,7 @@ struct Invocation {
     std::vector<std::string> inputs;             ///< files, jobs, the name of a sample or a shell
     std::string out;                             ///< empty: not given
     std::vector<proto::OptionText> options;      ///< the conversion options that were given
+    proto::JobOptions inForce;                   ///< the same, with what was not given
     std::string server;                          ///< empty: one of our own
     std::string apiKey;                          ///< empty: none
     std::string caFile;                          ///< empty: what the system trusts
@@ -63,6 +64,10 @@ using CommandLine = tl::expected<Invocation, ExitCode>;
 /// @param arguments  without the name of the program
 [[nodiscard]] CommandLine parseCommandLine(const std::vector<std::string>& arguments,
                                            Console& console);
+
+/// How a run ends that has printed what it was asked for.
+/// @return  notWritten, and then said so, if stdout did not take all of it
+[[nodiscard]] ExitCode endOfOutput(Console& console);
 
 /// Does what a command line asks for.
 [[nodiscard]] ExitCode runCommand(const Invocation& invocation, Console& console,

@@ -2,12 +2,24 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "client/job_calls.h"
 
 namespace rivage::client {
 namespace {
+
+/// The ranges of CLI11 let NaN pass, which is not smaller than any bound.
+CLI::Validator finite() {
+    return {[](std::string& text) {
+                double value = 0;
+                return CLI::detail::lexical_cast(text, value) && std::isfinite(value)
+                           ? std::string()
+                           : "expected a number, not " + text;
+            },
+            ""};
+}
 
 std::string valueName(const proto::OptionInfo& info) {
     std::string text;
@@ -56,6 +68,7 @@ void addCommon(CLI::App& app, Parsed& parsed) {
         ->type_name("FILE");
     app.add_option("--timeout", parsed.seconds, "Seconds for each input, waiting included")
         ->capture_default_str()
+        ->check(finite())
         ->check(CLI::Range(0.001, 1e6))
         ->type_name("SECONDS");
     app.add_option("--config", parsed.configFile,
@@ -146,12 +159,14 @@ void addLocalCommands(CLI::App& app, Parsed& parsed) {
         ->add_option("--max-distance", parsed.invocation.compare.maxDistance,
                      "End with 6 if the surfaces are further apart, in voxels")
         ->configurable(false)
+        ->check(finite())
         ->check(CLI::NonNegativeNumber)
         ->type_name("NUMBER");
     compare
         ->add_option("--voxel-size", parsed.invocation.compare.voxelSize,
                      "Metres [what the reports in the files say]")
         ->configurable(false)
+        ->check(finite())
         ->check(CLI::PositiveNumber)
         ->type_name("NUMBER");
     compare

@@ -17,6 +17,7 @@ struct Console {
     int width = 80;              ///< columns of the terminal behind `err`
     int height = 24;             ///< its lines
     bool color = false;          ///< words on `err` may be coloured
+    int inFile = -1;             ///< of `in`, where a stop has to end the reading; -1: has none
 };
 
 enum class Tone : std::uint8_t { good, bad, dim };

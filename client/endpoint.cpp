@@ -1,5 +1,7 @@
 #include "client/endpoint.h"
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
 #include <sys/un.h>
 
 #include <algorithm>
@@ -24,6 +26,33 @@ tl::unexpected<Failure> refuse(std::string_view text, const std::string& why) {
                 proto::inQuotes(text) + ": " + why);
 }
 
+bool isV6(std::string_view host) {
+    in6_addr unused{};
+    const std::string address(host.substr(0, host.find('%')));  // without the zone
+    return inet_pton(AF_INET6, address.c_str(), &unused) == 1;
+}
+
+/// Takes "HOST", "HOST:PORT", "[ADDRESS]" and "[ADDRESS]:PORT" apart.
+/// @return  what is wrong; empty: nothing
+std::string takeHost(std::string_view rest, Endpoint& endpoint) {
+    const bool bracket = rest.starts_with('[');
+    const std::size_t end = bracket ? rest.find(']') : std::min(rest.find(':'), rest.size());
+    if (end == rest.npos) return "the ']' of the IPv6 address is missing";
+    const std::string_view host = bracket ? rest.substr(1, end - 1) : rest.substr(0, end);
+    const std::string_view port = rest.substr(bracket ? end + 1 : end);
+    if (bracket && !isV6(host)) return "between '[' and ']' there is no IPv6 address";
+    if (!bracket && isV6(rest)) return "an IPv6 address stands in brackets";
+    if (host.empty()) return "the host is missing";
+    const bool plain = std::all_of(host.begin(), host.end(), [](char c) {
+        return c > 0x20 && c != 0x7f && std::string_view("[]\\?#<>\"").find(c) == std::string::npos;
+    });
+    if (!plain) return "the host has characters that no host has";
+    if (!port.empty() && (port.front() != ':' || !parsePort(port.substr(1), endpoint.port)))
+        return "the port must be a number from 1 to 65535";
+    endpoint.host = host;
+    return {};
+}
+
 }  // namespace
 
 Outcome<Endpoint> parseEndpoint(std::string_view text) {
@@ -34,6 +63,11 @@ Outcome<Endpoint> parseEndpoint(std::string_view text) {
             return refuse(text, "the path of a Unix socket has at most 107 bytes");
         return Endpoint{std::string(path), 0};
     }
+    // Before any words that show the text: what stands before '@' may be a password.
+    if (text.find('@') != text.npos)
+        return fail(ExitCode::usage, "This is no address of a server",
+                    "it must not have a user or a password before '@'; keys are for "
+                    "--api-key-file or RIVAGE_API_KEY");
     const bool tls = text.starts_with(kHttps);
     if (!tls && !text.starts_with(kHttp))
         return refuse(text, "expected http://HOST:PORT, https://HOST:PORT or unix:/PATH");
@@ -43,17 +77,20 @@ Outcome<Endpoint> parseEndpoint(std::string_view text) {
         return refuse(text, "the address must not have a path");
 
     Endpoint endpoint{.host = {}, .port = tls ? 443 : 80, .tls = tls};
-    const std::size_t colon = rest.rfind(':');
-    const std::size_t bracket = rest.rfind(']');  // the end of an IPv6 address
-    const bool hasPort =
-        colon != std::string_view::npos && (bracket == std::string_view::npos || colon > bracket);
-    if (hasPort && !parsePort(rest.substr(colon + 1), endpoint.port))
-        return refuse(text, "the port must be a number from 1 to 65535");
-    std::string_view host = hasPort ? rest.substr(0, colon) : rest;
-    if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-    if (host.empty()) return refuse(text, "the host is missing");
-    endpoint.host = host;
+    if (const std::string wrong = takeHost(rest, endpoint); !wrong.empty())
+        return refuse(text, wrong);
     return endpoint;
+}
+
+bool isLoopback(const Endpoint& endpoint) {
+    const std::string& host = endpoint.host;
+    in_addr v4{};
+    in6_addr v6{};
+    if (endpoint.isUnix() || host == "localhost" || host.ends_with(".localhost")) return true;
+    if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return ntohl(v4.s_addr) >> 24 == 127;
+    if (inet_pton(AF_INET6, host.c_str(), &v6) != 1) return false;
+    if (IN6_IS_ADDR_V4MAPPED(&v6)) return v6.s6_addr[12] == 127;
+    return IN6_IS_ADDR_LOOPBACK(&v6);
 }
 
 std::string toText(const Endpoint& endpoint) {

@@ -23,9 +23,13 @@ struct ServerAccess {
     std::string caFile;  ///< PEM; empty: the certificates that the system trusts
 };
 
-/// Reads "http://HOST[:PORT]", "https://HOST[:PORT]" or "unix:/PATH".
-/// @errors usage
+/// Reads "http://HOST[:PORT]", "https://HOST[:PORT]" or "unix:/PATH"; an IPv6 address stands in
+/// brackets.
+/// @errors usage, also for "USER:PASSWORD@", which no words of the error show
 Outcome<Endpoint> parseEndpoint(std::string_view text);
+
+/// Whether what is sent there stays on this machine, as the address alone tells.
+[[nodiscard]] bool isLoopback(const Endpoint& endpoint);
 
 /// The endpoint as `parseEndpoint` reads it.
 [[nodiscard]] std::string toText(const Endpoint& endpoint);

@@ -46,22 +46,61 @@ std::string lowerCase(std::string text) {
     return text;
 }
 
-/// All files below a folder but hidden ones, sorted. What cannot be read is passed over.
-std::vector<std::string> filesBelow(const std::string& folder) {
-    std::vector<std::string> files;
-    std::error_code error;
-    const auto options = fs::directory_options::skip_permission_denied;
-    fs::recursive_directory_iterator entry(folder, options, error);
-    for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
-        std::error_code ignored;
-        if (entry->path().filename().native().starts_with('.'))
-            entry.disable_recursion_pending();
-        else if (entry->is_regular_file(ignored))
-            files.push_back(entry->path().lexically_relative(folder).string());
+/// A file that a search has met.
+struct Met {
+    std::string below;  ///< its path below the folder of the search
+    std::string why;    ///< it cannot be looked at; empty: it can
+};
+
+/// Walks through a folder and those below it, but hidden ones and links to folders.
+class Walk {
+public:
+    Walk(std::string folder, std::vector<Unread>& unread)
+        : folder_(std::move(folder)), unread_(unread) {
+        for (open_.push_back({}); !open_.empty();) {
+            const std::string next = std::move(open_.back());
+            open_.pop_back();
+            look(next);
+        }
+        std::sort(met_.begin(), met_.end(),
+                  [](const Met& a, const Met& b) { return a.below < b.below; });
     }
-    std::sort(files.begin(), files.end());
-    return files;
-}
+    [[nodiscard]] const std::vector<Met>& met() const { return met_; }
+
+private:
+    void look(const std::string& below) {
+        const fs::path folder = below.empty() ? fs::path(folder_) : fs::path(folder_) / below;
+        std::error_code error;
+        fs::directory_iterator entry(folder, error);
+        for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+            const std::string name = entry->path().filename().string();
+            if (name.starts_with('.')) continue;
+            look(*entry, below.empty() ? name : below + "/" + name);
+        }
+        if (error && error != std::errc::no_such_file_or_directory)
+            unread_.push_back({folder.string(), error.message()});
+    }
+
+    void look(const fs::directory_entry& entry, std::string below) {
+        std::error_code error;
+        const bool link = entry.is_symlink(error);
+        const fs::file_status status = entry.status(error);
+        if (status.type() == fs::file_type::directory) {
+            if (!link) open_.push_back(std::move(below));
+        } else if (status.type() == fs::file_type::regular) {
+            met_.push_back({std::move(below), {}});
+        } else if (status.type() == fs::file_type::none) {
+            met_.push_back({std::move(below), error.message()});
+        } else if (link && status.type() == fs::file_type::not_found) {
+            met_.push_back({std::move(below), "it is a link to nothing"});
+        }
+    }
+
+    std::string folder_;
+    std::vector<Unread>& unread_;
+    std::vector<std::string> open_;
+    std::vector<Met> met_;
+};
 
 /// Finds what one name means and adds it.
 class Finder {
@@ -78,6 +117,7 @@ public:
         return 1;
     }
 
+    [[nodiscard]] const std::vector<Unread>& unread() const { return found_.unread; }
     Inputs take() { return std::move(found_); }
 
 private:
@@ -101,9 +141,16 @@ private:
         found_.many = true;
         found_.folders.push_back(folder);
         std::size_t count = 0;
-        for (const std::string& file : filesBelow(folder)) {
-            if (!wanted(file)) continue;
-            addFile({folder == "." ? file : (fs::path(folder) / file).string(), file});
+        const Walk walk(folder, found_.unread);
+        for (const Met& file : walk.met()) {
+            if (!wanted(file.below)) continue;
+            const std::string path =
+                folder == "." ? file.below : (fs::path(folder) / file.below).string();
+            if (!file.why.empty()) {
+                found_.unread.push_back({path, file.why});
+                continue;
+            }
+            addFile({path, file.below});
             ++count;
         }
         return count;
@@ -131,7 +178,12 @@ Outcome<Inputs> findInputs(const std::vector<std::string>& names,
                            const std::vector<std::string>& extensions, bool mayBeEmpty) {
     Finder finder(extensions);
     for (const std::string& name : names) {
+        const std::size_t before = finder.unread().size();
         if (finder.add(name) > 0 || mayBeEmpty) continue;
+        if (finder.unread().size() > before)
+            return fail(
+                ExitCode::usage, "There is nothing to convert",
+                finder.unread().back().path + " cannot be read: " + finder.unread().back().why);
         return fail(ExitCode::usage, "There is nothing to convert",
                     name + (isPattern(name) ? " matches no file" : " holds no grid"));
     }

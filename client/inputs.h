@@ -15,10 +15,17 @@ struct InputFile {
     std::string below;  ///< its path below the folder or pattern that named it; else its name
 };
 
+/// What was met in a search, and could not be looked at.
+struct Unread {
+    std::string path;
+    std::string why;
+};
+
 /// The inputs of a run, and what they were named by.
 struct Inputs {
     std::vector<InputFile> files;
     std::vector<std::string> folders;  ///< that are searched, at any depth; empty: only files
+    std::vector<Unread> unread;        ///< folders, and files that a folder or pattern means
     bool many = false;                 ///< a folder or a pattern was named: results need a folder
 };
 
@@ -26,7 +33,7 @@ struct Inputs {
 /// but hidden ones; of patterns that the shell left alone (`*`, `?`, `[a-z]`, and `**` for any
 /// number of folders) all files that match. Each file once, in the order of the names.
 /// @param extensions  of grids, with dot, lower case
-/// @errors usage if a folder holds no grid or nothing matches, unless `mayBeEmpty`
+/// @errors usage if a folder holds no grid, cannot be read, or nothing matches, unless `mayBeEmpty`
 Outcome<Inputs> findInputs(const std::vector<std::string>& names,
                            const std::vector<std::string>& extensions, bool mayBeEmpty);
 

@@ -49,6 +49,15 @@ bool Interrupt::sleep(std::chrono::milliseconds duration) const {
     return !changed_.wait_for(lock, duration, [&] { return requested_; });
 }
 
+bool Interrupt::await(int file, short events) const {
+    constexpr int kLook = 50;  // milliseconds: nobody notices so long a delay of a stop
+    while (!requested()) {
+        pollfd wanted{file, events, 0};
+        if (poll(&wanted, 1, kLook) != 0) return true;
+    }
+    return false;
+}
+
 BreakOff::BreakOff(Interrupt& interrupt, std::function<void()> action) : interrupt_(interrupt) {
     const std::lock_guard lock(interrupt_.mutex_);
     place_ = interrupt_.breaks_.insert(interrupt_.breaks_.end(), std::move(action));

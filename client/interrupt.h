@@ -20,6 +20,9 @@ public:
     /// Sleeps; false if a stop was asked for, before or meanwhile.
     [[nodiscard]] bool sleep(std::chrono::milliseconds duration) const;
 
+    /// Waits until a file can be read or written (`events` of poll); false if a stop was asked for.
+    [[nodiscard]] bool await(int file, short events) const;
+
 private:
     friend class BreakOff;
     mutable std::mutex mutex_;

@@ -43,6 +43,7 @@ int run(int argc, char** argv) {
     std::ios::sync_with_stdio(false);
     Console console{std::cin, std::cout, std::cerr, isatty(STDOUT_FILENO) == 1,
                     isatty(STDERR_FILENO) == 1 && !isDumb()};
+    console.inFile = STDIN_FILENO;
     measureTerminal(console);
     const auto parsed = parseCommandLine(std::vector<std::string>(argv + 1, argv + argc), console);
     if (!parsed) return static_cast<int>(parsed.error());

@@ -1,15 +1,20 @@
 #include "client/output_file.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <system_error>
+#include <thread>
 #include <utility>
+
+#include "client/printable.h"
 
 namespace rivage::client {
 namespace {
@@ -30,37 +35,66 @@ mode_t newFileMode() {
 
 }  // namespace
 
-Outcome<OutputFile> OutputFile::open(const std::string& path) {
+Outcome<OutputFile> OutputFile::open(const std::string& path, const Interrupt* interrupt) {
     OutputFile file;
+    file.interrupt_ = interrupt;
     std::error_code code;
     file.path_ = fs::is_symlink(path, code) ? fs::canonical(path, code).string() : path;
     if (file.path_.empty()) return cannotWrite(path, code.value());
     struct stat status {};
     const bool exists = stat(file.path_.c_str(), &status) == 0;
     if (exists && S_ISDIR(status.st_mode)) return cannotWrite(path, EISDIR);
+    if (exists && S_ISFIFO(status.st_mode)) {
+        if (auto opened = file.openPipe(); !opened) return tl::unexpected(opened.error());
+        return file;
+    }
     if (exists && !S_ISREG(status.st_mode)) {
         file.file_ = ::open(file.path_.c_str(), O_WRONLY | O_CLOEXEC);
         if (file.file_ < 0) return cannotWrite(path, errno);
         return file;
     }
 
-    const fs::path target(file.path_);
-    file.temporary_ =
-        (target.parent_path() / ("." + target.filename().string() + ".XXXXXX")).string();
-    file.file_ = mkostemp(file.temporary_.data(), O_CLOEXEC);
-    if (file.file_ < 0) {
-        const int error = errno;
-        file.temporary_.clear();
-        return cannotWrite(path, error);
-    }
-    fchmod(file.file_, exists ? status.st_mode & 07777 : newFileMode());
+    const mode_t mode = exists ? status.st_mode & 07777 : newFileMode();
+    if (auto opened = file.openBeside(mode); !opened) return tl::unexpected(opened.error());
     return file;
+}
+
+/// A pipe can be opened when somebody reads it. Neither that nor writing to it may block here,
+/// where a stop could not end it.
+Outcome<void> OutputFile::openPipe() {
+    constexpr std::chrono::milliseconds kStep{20};
+    for (;;) {
+        file_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
+        if (file_ >= 0) return {};
+        if (errno != ENXIO) return cannotWrite(path_, errno);
+        if (interrupt_ == nullptr)
+            std::this_thread::sleep_for(kStep);
+        else if (!interrupt_->sleep(kStep))
+            return fail(ExitCode::cancelled, "Cancelled");
+    }
+}
+
+Outcome<void> OutputFile::openBeside(unsigned mode) {
+    constexpr std::size_t kShown = 200;  // bytes of the name: one may have 255, with what is added
+    const fs::path target(path_);
+    temporary_ =
+        (target.parent_path() / ("." + cutTo(target.filename().string(), kShown) + ".XXXXXX"))
+            .string();
+    file_ = mkostemp(temporary_.data(), O_CLOEXEC);
+    if (file_ < 0) {
+        const int error = errno;
+        temporary_.clear();
+        return cannotWrite(path_, error);
+    }
+    fchmod(file_, mode);
+    return {};
 }
 
 OutputFile::OutputFile(OutputFile&& other) noexcept
     : file_(std::exchange(other.file_, -1)),
       error_(other.error_),
       size_(other.size_),
+      interrupt_(other.interrupt_),
       path_(std::move(other.path_)),
       temporary_(std::exchange(other.temporary_, {})) {}
 
@@ -73,13 +107,21 @@ bool OutputFile::write(std::string_view bytes) {
     while (!bytes.empty() && error_ == 0) {
         const ssize_t written = ::write(file_, bytes.data(), bytes.size());
         if (written < 0) {
-            if (errno != EINTR) error_ = errno;
+            const bool full = errno == EAGAIN;
+            if (full && !mayGoOn(POLLOUT)) error_ = ECANCELED;
+            if (!full && errno != EINTR) error_ = errno;
             continue;
         }
         bytes.remove_prefix(static_cast<std::size_t>(written));
         size_ += static_cast<std::uint64_t>(written);
     }
     return error_ == 0;
+}
+
+bool OutputFile::mayGoOn(short events) const {
+    if (interrupt_ != nullptr) return interrupt_->await(file_, events);
+    pollfd wanted{file_, events, 0};
+    return poll(&wanted, 1, -1) >= 0;
 }
 
 bool OutputFile::restart() {

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "client/failure.h"
+#include "client/interrupt.h"
 
 namespace rivage::client {
 
@@ -13,9 +14,10 @@ namespace rivage::client {
 /// directly. Dropped without `commit`, it leaves nothing behind.
 class OutputFile {
 public:
-    /// @param path  an existing file is replaced by `commit`; a link is followed
-    /// @errors notWritten
-    static Outcome<OutputFile> open(const std::string& path);
+    /// @param path       an existing file is replaced by `commit`; a link is followed
+    /// @param interrupt  ends the waiting for the reader of a named pipe; null: nothing does
+    /// @errors notWritten; cancelled
+    static Outcome<OutputFile> open(const std::string& path, const Interrupt* interrupt = nullptr);
 
     OutputFile(OutputFile&& other) noexcept;
     OutputFile& operator=(OutputFile&&) = delete;
@@ -33,11 +35,15 @@ public:
 
 private:
     OutputFile() = default;
+    Outcome<void> openPipe();
+    Outcome<void> openBeside(unsigned mode);
+    [[nodiscard]] bool mayGoOn(short events) const;
     Outcome<void> finish();
 
     int file_ = -1;
     int error_ = 0;  ///< errno of the first write that failed
     std::uint64_t size_ = 0;
+    const Interrupt* interrupt_ = nullptr;
     std::string path_;
     std::string temporary_;  ///< empty: written directly
 };

@@ -88,6 +88,8 @@ Outcome<std::vector<Setting>> readSettings(std::istream& stream, const std::stri
     std::string line;
     for (int number = 1; std::getline(stream, line); ++number) {
         const std::string place = file + ":" + std::to_string(number);
+        constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // some editors begin with it
+        if (number == 1 && line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
         const std::string text = trimmed(line);
         if (text.empty() || text.starts_with('#')) continue;
         const std::size_t equals = text.find('=');

@@ -8,39 +8,42 @@
 
 namespace rivage::client {
 
-Outcome<Target> Target::open(const std::string& path, Console& console) {
+Outcome<Target> Target::open(const std::string& path, Console& console,
+                             const Interrupt& interrupt) {
     Target target(console);
     if (path == kStandardStream) {
         if (console.outIsTerminal)
             return fail(ExitCode::usage, "A terminal is no place for a binary file",
                         "use -o FILE, or send stdout to a file");
+        auto spool = SpoolFile::open();
+        if (!spool) return tl::unexpected(spool.error());
+        target.spool_.emplace(*std::move(spool));
         return target;
     }
-    auto file = OutputFile::open(path);
+    auto file = OutputFile::open(path, &interrupt);
     if (!file) return tl::unexpected(file.error());
     target.file_.emplace(*std::move(file));
     return target;
 }
 
 ByteStore Target::store() {
-    return {[this] { return file_ ? file_->restart() : (buffer_.clear(), true); },
+    return {[this] { return file_ ? file_->restart() : spool_->restart(); },
             [this](std::string_view bytes) {
-                if (file_) return file_->write(bytes);
-                buffer_ += bytes;
-                return true;
+                return file_ ? file_->write(bytes) : spool_->write(bytes);
             }};
 }
 
 Outcome<void> Target::commit() {
     if (file_) return file_->commit();
-    console_->out.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size())).flush();
-    if (!console_->out) return fail(ExitCode::notWritten, "stdout cannot be written");
+    if (!spool_->copyTo(console_->out))
+        return fail(ExitCode::notWritten, "stdout cannot be written");
     return {};
 }
 
 Failure Target::explained(Failure failure) const {
-    if (failure.exit != ExitCode::notWritten || !file_) return failure;
-    if (auto reason = file_->writable(); !reason) failure.problem = reason.error().problem;
+    if (failure.exit != ExitCode::notWritten) return failure;
+    if (auto reason = file_ ? file_->writable() : spool_->writable(); !reason)
+        failure.problem = reason.error().problem;
     return failure;
 }
 

@@ -6,6 +6,7 @@
 #include "client/console.h"
 #include "client/download.h"
 #include "client/output_file.h"
+#include "client/spool_file.h"
 
 namespace rivage::client {
 
@@ -13,12 +14,13 @@ namespace rivage::client {
 class Target {
 public:
     /// @param path  "-" is stdout
-    /// @errors usage if stdout is a terminal; notWritten
-    static Outcome<Target> open(const std::string& path, Console& console);
+    /// @errors usage if stdout is a terminal; notWritten; cancelled
+    static Outcome<Target> open(const std::string& path, Console& console,
+                                const Interrupt& interrupt);
 
     /// Where the bytes of the result go; to be used while the target stays where it is.
     [[nodiscard]] ByteStore store();
-    [[nodiscard]] std::uint64_t size() const { return file_ ? file_->size() : buffer_.size(); }
+    [[nodiscard]] std::uint64_t size() const { return file_ ? file_->size() : spool_->size(); }
     /// @errors notWritten
     Outcome<void> commit();
     /// The failure of a download into this target, with the reason of the system if it is this
@@ -29,7 +31,7 @@ private:
     explicit Target(Console& console) : console_(&console) {}
     Console* console_;
     std::optional<OutputFile> file_;
-    std::string buffer_;
+    std::optional<SpoolFile> spool_;  ///< for stdout, which takes nothing back
 };
 
 /// Makes the folders above a file.

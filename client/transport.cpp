@@ -39,7 +39,7 @@ bool isUntrusted(httplib::Error error) {
            error == httplib::Error::SSLLoadingCerts;
 }
 
-bool isDone(const httplib::Response& response) { return response.status < 400; }
+bool isDone(const httplib::Response& response) { return response.status < 300; }
 
 /// Whether a request may be sent again although the server may have acted on it.
 bool isRepeatable(const httplib::Request& request) {
@@ -60,6 +60,15 @@ Failure timeIsOver() {
 }
 
 Failure notKept() { return failureWith(ExitCode::notWritten, "The result could not be kept"); }
+
+/// A redirection is not followed: where an upload and a key go is for the user to say.
+Failure redirected(const httplib::Response& response) {
+    const std::string place = response.get_header_value("Location");
+    return failureWith(ExitCode::failed, "The server sends its clients elsewhere",
+                       (place.empty() ? "it does not say where" : "to " + place) + " (status " +
+                           std::to_string(response.status) +
+                           "); rivage does not follow, but --server can name that address");
+}
 
 /// Where the body of one answer goes, and why it was given up.
 struct Reception {
@@ -182,6 +191,8 @@ Transport::Answer Transport::sendOnce(httplib::Request request, BodySink* sink) 
 }
 
 Failure Transport::failureOf(const Answer& answer) const {
+    if (answer.error == httplib::Error::Success && answer.response.status < 400)
+        return redirected(answer.response);
     if (answer.error == httplib::Error::Success)
         return client::failureOf(answer.response.status, answer.response.body);
     if (answer.error == httplib::Error::ExceedMaxPayloadSize)

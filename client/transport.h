@@ -51,7 +51,7 @@ public:
     void setDeadline(Clock::time_point deadline) { deadline_ = deadline; }
 
     /// Sends a request until it has an answer that is not worth another try.
-    /// @return  an answer with a status below 400
+    /// @return  an answer with a status below 300
     /// @errors  unreachable; busy if the time is over or the server stays full; cancelled; else
     ///          what the server's problem means
     Outcome<httplib::Response> send(const httplib::Request& request,

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <exception>
+#include <new>
+#include <system_error>
 #include <thread>
+#include <utility>
 
 #include "client/conversion.h"
 #include "client/printable.h"
@@ -23,14 +27,18 @@ struct Converted {
 
 Outcome<Converted> convert(Session& session, Transport& transport, const PlannedFile& file,
                            const JobWatch& watch) {
-    auto bytes = readInput(file.input, session.console);
+    auto bytes = readInput(file.input, session.console, session.interrupt);
     if (!bytes) return tl::unexpected(bytes.error());
-    auto target = Target::open(file.output, session.console);
+    if (bytes->empty()) return fail(ExitCode::refused, "The file is empty");
+    const std::string start = bytes->substr(0, kSignatureBytes);
+    auto target = Target::open(file.output, session.console, session.interrupt);
     if (!target) return tl::unexpected(target.error());
     const Upload upload{*std::move(bytes), session.invocation.options};
     const ByteStore store = target->store();
     auto conversion = convertGrid(transport, upload, store, watch);
-    if (!conversion) return tl::unexpected(target->explained(conversion.error()));
+    if (!conversion)
+        return tl::unexpected(
+            inWordsOfFiles(file.input, start, target->explained(conversion.error())));
     Converted converted{*std::move(conversion), target->size()};
     if (auto committed = target->commit(); !committed) {
         committed.error().job = converted.conversion.job;
@@ -39,10 +47,26 @@ Outcome<Converted> convert(Session& session, Transport& transport, const Planned
     return converted;
 }
 
-Json optionsOf(const Invocation& invocation) {
-    const auto parsed = proto::parseOptions(invocation.options);
-    return parsed ? proto::toJson(parsed->conversion) : Json::object();
-}
+/// A bar on the board for as long as a file is worked on, however that ends.
+class Bar {
+public:
+    Bar(ProgressBoard& board, const std::string& name) : board_(board), line_(board.begin(name)) {}
+    ~Bar() { end(); }
+    Bar(const Bar&) = delete;
+    Bar& operator=(const Bar&) = delete;
+    void update(const JobProgress& progress) { board_.update(line_, progress); }
+    /// @return  the seconds that it stood
+    double end() {
+        if (!std::exchange(ended_, true)) seconds_ = board_.end(line_);
+        return seconds_;
+    }
+
+private:
+    ProgressBoard& board_;
+    std::size_t line_;
+    bool ended_ = false;
+    double seconds_ = 0;
+};
 
 /// The files of a batch, and the threads that take one after the other.
 class Batch {
@@ -51,14 +75,18 @@ public:
         : session_(session),
           files_(files),
           outcomes_(files.size()),
-          options_(optionsOf(session.invocation)),
+          options_(proto::toJson(session.invocation.inForce.conversion)),
           board_(session.console, session.invocation.quiet, files.size()) {}
 
     std::vector<FileOutcome> run() {
         const std::size_t workers =
             std::clamp<std::size_t>(session_.invocation.workers, 1, files_.size());
         std::vector<std::thread> threads;
-        for (std::size_t i = 1; i < workers; ++i) threads.emplace_back([this] { work(); });
+        try {
+            for (std::size_t i = 1; i < workers; ++i) threads.emplace_back([this] { work(); });
+        } catch (const std::system_error&) {
+            // The system gives no more threads: fewer do.
+        }
         work();
         for (std::thread& thread : threads) thread.join();
         return std::move(outcomes_);
@@ -67,7 +95,7 @@ public:
 private:
     void work() {
         for (std::size_t i = next_++; i < files_.size() && !over(); i = next_++) {
-            FileOutcome& outcome = outcomes_[i] = one(files_[i]);
+            FileOutcome& outcome = outcomes_[i] = safely(files_[i]);
             outcome.done = true;
             const bool failed = outcome.exit != ExitCode::ok;
             if (outcome.noServer || (failed && session_.invocation.stopOnError)) over_ = true;
@@ -76,18 +104,29 @@ private:
 
     [[nodiscard]] bool over() const { return over_ || session_.interrupt.requested(); }
 
+    /// What a library throws, memory that runs out above all, is the end of one file, not of all.
+    FileOutcome safely(const PlannedFile& file) {
+        try {
+            return one(file);
+        } catch (const std::bad_alloc&) {
+            return failed(file, failureWith(ExitCode::failed, "There is not enough memory"), 0);
+        } catch (const std::exception& error) {
+            return failed(
+                file, failureWith(ExitCode::failed, "The conversion broke off", error.what()), 0);
+        }
+    }
+
     FileOutcome one(const PlannedFile& file) {
         if (session_.invocation.ifNewer && isUpToDate(file, options_)) {
-            tell(file, "is up to date: " + printable(file.output), {{"skipped", true}},
-                 Json::object());
+            tellJson(file, {{"skipped", true}}, Json::object());
             return {.skipped = true};
         }
-        const std::size_t line = board_.begin(file.input);
-        const JobWatch watch{[&](const JobProgress& progress) { board_.update(line, progress); },
+        Bar bar(board_, file.input);
+        const JobWatch watch{[&](const JobProgress& progress) { bar.update(progress); },
                              board_.lively()};
         Transport transport = session_.connect();
         const auto converted = convert(session_, transport, file, watch);
-        const double seconds = board_.end(line);
+        const double seconds = bar.end();
         if (!converted) return failed(file, converted.error(), seconds);
 
         const auto& [conversion, bytes] = *converted;
@@ -142,7 +181,9 @@ std::vector<FileOutcome> convertFiles(Session& session, const std::vector<Planne
 }
 
 void summarize(Session& session, const std::vector<FileOutcome>& outcomes, double seconds) {
-    if (session.invocation.quiet || outcomes.size() < 2) return;
+    const bool skippedAny = std::any_of(outcomes.begin(), outcomes.end(),
+                                        [](const FileOutcome& one) { return one.skipped; });
+    if (session.invocation.quiet || (outcomes.size() < 2 && !skippedAny)) return;
     std::size_t converted = 0;
     std::size_t failed = 0;
     std::size_t skipped = 0;

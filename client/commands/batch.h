@@ -23,7 +23,8 @@ struct FileOutcome {
 /// @return  in the order of the files
 std::vector<FileOutcome> convertFiles(Session& session, const std::vector<PlannedFile>& files);
 
-/// Says how many were converted, failed and are up to date, if there were several.
+/// Says how many were converted, failed and are up to date, if there were several or one was passed
+/// over.
 void summarize(Session& session, const std::vector<FileOutcome>& outcomes, double seconds);
 
 /// The exit code of the first file that failed.

@@ -144,7 +144,7 @@ Outcome<Json> fetch(Session& session, const std::string& id, ProgressBoard& boar
     const std::string place = placeOf(session, id, *job);
     if (session.invocation.out.ends_with('/'))
         if (auto made = makeFolderOf(place); !made) return tl::unexpected(made.error());
-    auto target = Target::open(place, session.console);
+    auto target = Target::open(place, session.console, session.interrupt);
     if (!target) return tl::unexpected(target.error());
     const ByteStore store = target->store();
     if (auto fetched = fetchResult(transport, id, store); !fetched)
@@ -172,8 +172,7 @@ ExitCode runJobsList(Session& session) {
         session.console.out << columns("JOB", "STATE", "STAGE", "DONE", "CREATED") << "\n";
     for (const Json& job : *jobs)
         session.console.out << (session.invocation.json ? jsonLine(job) : jobLine(job));
-    session.console.out << std::flush;
-    return session.console.out ? ExitCode::ok : ExitCode::notWritten;
+    return ExitCode::ok;
 }
 
 ExitCode runJobsStatus(Session& session) { return forEachJob(session, status); }

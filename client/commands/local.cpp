@@ -17,25 +17,25 @@ ExitCode withTree(Console& console, Write write) {
     CLI::App app(kProgramSentence, "rivage");
     Parsed unused;
     describeCommandLine(app, unused);
-    console.out << write(app) << std::flush;
-    return console.out ? ExitCode::ok : ExitCode::notWritten;
+    console.out << write(app);
+    return ExitCode::ok;
 }
 
 }  // namespace
 
-ExitCode runCompare(const Invocation& invocation, Console& console) {
+ExitCode runCompare(const Invocation& invocation, Console& console, const Interrupt& interrupt) {
     CompareSettings settings = invocation.compare;
     settings.nameA = invocation.inputs[0];
     settings.nameB = invocation.inputs[1];
-    const auto a = readInput(settings.nameA, console);
-    if (!a) return complain(invocation, console, {}, a.error());
-    const auto b = readInput(settings.nameB, console);
-    if (!b) return complain(invocation, console, {}, b.error());
+    const auto a = readInput(settings.nameA, console, interrupt);
+    if (!a) return complain(invocation, console, settings.nameA, a.error());
+    const auto b = readInput(settings.nameB, console, interrupt);
+    if (!b) return complain(invocation, console, settings.nameB, b.error());
     const auto comparison = compareAssets(*a, *b, settings);
     if (!comparison) return complain(invocation, console, {}, comparison.error());
     console.out << (invocation.json ? jsonLine(*comparison) : comparisonTable(*comparison))
                 << std::flush;
-    return console.out ? exitOf(*comparison) : ExitCode::notWritten;
+    return console.out ? exitOf(*comparison) : ExitCode::ok;  // runCommand says what is wrong
 }
 
 ExitCode runCompletions(const Invocation& invocation, Console& console) {

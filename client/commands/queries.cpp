@@ -15,18 +15,22 @@ ExitCode stop(Session& session, const std::string& about, const Failure& failure
     return complain(session.invocation, session.console, about, failure);
 }
 
-/// A request whose answer is a JSON document, printed as JSON or as `table` makes it.
-ExitCode show(Session& session, const httplib::Request& request,
-              std::string (*table)(const Json&)) {
-    const auto response = session.connect().send(request);
-    if (!response) return stop(session, {}, response.error());
-    const Json json = readAnswer(response->body);
+/// An answer that is a JSON document, printed as JSON or as `table` makes it.
+template <typename Table>
+ExitCode print(Session& session, const httplib::Response& response, Table table) {
+    const Json json = readAnswer(response.body);
     if (!json.is_object())
         return stop(session, {},
                     failureWith(ExitCode::failed, "The server's answer is not understood",
                                 "expected a JSON object"));
     session.console.out << (session.invocation.json ? jsonLine(json) : table(json)) << std::flush;
-    return session.console.out ? ExitCode::ok : ExitCode::notWritten;
+    return ExitCode::ok;
+}
+
+ExitCode show(Session& session, const char* path, std::string (*table)(const Json&)) {
+    const auto response = session.connect().send(makeRequest("GET", path));
+    if (!response) return stop(session, {}, response.error());
+    return print(session, *response, table);
 }
 
 std::string sampleList(const Json& answer) {
@@ -46,7 +50,7 @@ std::string sampleList(const Json& answer) {
 
 Outcome<std::uint64_t> fetchSample(Session& session, const std::string& name,
                                    const std::string& out) {
-    auto target = Target::open(out, session.console);
+    auto target = Target::open(out, session.console, session.interrupt);
     if (!target) return tl::unexpected(target.error());
     const ByteStore store = target->store();
     Transport transport = session.connect();
@@ -65,10 +69,16 @@ std::string healthLine(const Json& answer) {
 }  // namespace
 
 ExitCode runInspect(Session& session) {
-    auto bytes = readInput(session.invocation.inputs.front(), session.console);
-    if (!bytes) return stop(session, {}, bytes.error());
+    const std::string& input = session.invocation.inputs.front();
+    auto bytes = readInput(input, session.console, session.interrupt);
+    if (!bytes) return stop(session, input, bytes.error());
+    if (bytes->empty())
+        return stop(session, input, failureWith(ExitCode::refused, "The file is empty"));
+    const std::string start = bytes->substr(0, kSignatureBytes);
     const Upload upload{*std::move(bytes), session.invocation.options};
-    return show(session, makeUpload("/v1/inspect", upload), inspectionTable);
+    const auto response = session.connect().send(makeUpload("/v1/inspect", upload));
+    if (!response) return stop(session, input, inWordsOfFiles(input, start, response.error()));
+    return print(session, *response, inspectionTable);
 }
 
 ExitCode runSample(Session& session) {
@@ -85,16 +95,10 @@ ExitCode runSample(Session& session) {
     return ExitCode::ok;
 }
 
-ExitCode runListSamples(Session& session) {
-    return show(session, makeRequest("GET", "/v1/samples"), sampleList);
-}
+ExitCode runListSamples(Session& session) { return show(session, "/v1/samples", sampleList); }
 
-ExitCode runOptions(Session& session) {
-    return show(session, makeRequest("GET", "/v1/options"), optionTable);
-}
+ExitCode runOptions(Session& session) { return show(session, "/v1/options", optionTable); }
 
-ExitCode runHealth(Session& session) {
-    return show(session, makeRequest("GET", "/version"), healthLine);
-}
+ExitCode runHealth(Session& session) { return show(session, "/version", healthLine); }
 
 }  // namespace rivage::client

@@ -7,21 +7,13 @@
 #include "client/target.h"
 
 namespace rivage::client {
-namespace {
-
-std::string valueOf(const std::vector<proto::OptionText>& options, const char* name) {
-    const auto parsed = proto::parseOptions(options);
-    return parsed ? textOf(proto::toJson(*parsed), name) : std::string();
-}
-
-}  // namespace
-
 Outcome<RegularizePlan> planRegularize(const Invocation& invocation) {
     std::vector<std::string> extensions{".vox", ".npy"};
-    if (valueOf(invocation.options, "format") == "raw") extensions = {".raw"};
+    const proto::Json options = proto::toJson(invocation.inForce);
+    if (textOf(options, "format") == "raw") extensions = {".raw"};
     auto inputs = findInputs(invocation.inputs, extensions, invocation.watch);
     if (!inputs) return tl::unexpected(inputs.error());
-    auto files = planFiles(*inputs, invocation.out, valueOf(invocation.options, "output"));
+    auto files = planFiles(*inputs, invocation.out, textOf(options, "output"));
     if (!files) return tl::unexpected(files.error());
     const auto usesStdio = [](const PlannedFile& file) {
         return file.output == kStandardStream || file.input == kStandardStream;
@@ -51,7 +43,8 @@ ExitCode runRegularize(Session& session, const RegularizePlan& plan) {
     const std::chrono::duration<double> time = Clock::now() - start;
     summarize(session, outcomes, time.count());
     if (session.interrupt.requested()) return ExitCode::cancelled;
-    return firstFailure(outcomes);
+    const ExitCode exit = firstFailure(outcomes);
+    return exit == ExitCode::ok && !plan.inputs.unread.empty() ? ExitCode::usage : exit;
 }
 
 }  // namespace rivage::client

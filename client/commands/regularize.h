@@ -19,7 +19,8 @@ Outcome<RegularizePlan> planRegularize(const Invocation& invocation);
 /// @errors notWritten
 Outcome<void> makeFolders(const Invocation& invocation, const RegularizePlan& plan);
 
-/// Converts all files; the exit code is that of the first, in their order, that failed.
+/// Converts all files; the exit code is that of the first, in their order, that failed, else usage
+/// if something that was met in the search for them could not be read.
 ExitCode runRegularize(Session& session, const RegularizePlan& plan);
 
 /// Converts all files, and again what changes, until a stop is asked for.

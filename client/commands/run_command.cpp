@@ -5,6 +5,7 @@
 #include "client/commands/local.h"
 #include "client/commands/regularize.h"
 #include "client/local_server.h"
+#include "client/printable.h"
 
 namespace rivage::client {
 namespace {
@@ -48,6 +49,14 @@ std::size_t ownWorkers(const Invocation& invocation, const RegularizePlan& plan)
     return std::clamp<std::size_t>(most, 1, processors());
 }
 
+void warnOfOpenKey(const Invocation& invocation, const Endpoint& endpoint, Console& console) {
+    if (invocation.apiKey.empty() || invocation.quiet || endpoint.tls || isLoopback(endpoint))
+        return;
+    console.err << "rivage: warning: the API key goes to " << printable(toText(endpoint))
+                << " unencrypted; https:// keeps it secret\n"
+                << std::flush;
+}
+
 /// Runs a command at the server that is named, or else at one of our own.
 ExitCode runAt(Invocation invocation, Console& console, Interrupt& interrupt,
                const RegularizePlan& plan) {
@@ -64,6 +73,7 @@ ExitCode runAt(Invocation invocation, Console& console, Interrupt& interrupt,
         endpoint = parseEndpoint(invocation.server);
         if (!endpoint) return complain(invocation, console, {}, endpoint.error());
     }
+    if (!own) warnOfOpenKey(invocation, *endpoint, console);
     const ServerAccess server = own ? ServerAccess{*endpoint, {}, {}}
                                     : ServerAccess{*endpoint, invocation.apiKey, invocation.caFile};
     Session session{invocation, console, interrupt, server, own.has_value()};
@@ -71,7 +81,7 @@ ExitCode runAt(Invocation invocation, Console& console, Interrupt& interrupt,
 }
 
 ExitCode runChecked(const Invocation& invocation, Console& console, Interrupt& interrupt) {
-    if (invocation.command == Command::compare) return runCompare(invocation, console);
+    if (invocation.command == Command::compare) return runCompare(invocation, console, interrupt);
     if (invocation.command == Command::completions) return runCompletions(invocation, console);
     if (invocation.command == Command::man) return runMan(console);
     if (needsJobs(invocation.command) && invocation.server.empty())
@@ -83,6 +93,10 @@ ExitCode runChecked(const Invocation& invocation, Console& console, Interrupt& i
         auto planned = planRegularize(invocation);
         if (!planned) return complain(invocation, console, {}, planned.error());
         plan = *std::move(planned);
+        for (const Unread& unread : plan.inputs.unread)
+            complain(
+                invocation, console, unread.path,
+                failureWith(ExitCode::usage, "It cannot be read, and is left out", unread.why));
         if (auto made = makeFolders(invocation, plan); !made)
             return complain(invocation, console, {}, made.error());
     }
@@ -93,9 +107,7 @@ ExitCode runChecked(const Invocation& invocation, Console& console, Interrupt& i
 
 ExitCode runCommand(const Invocation& invocation, Console& console, Interrupt& interrupt) {
     const ExitCode exit = runChecked(invocation, console, interrupt);
-    if (exit != ExitCode::ok || console.out.flush()) return exit;
-    console.err << "rivage: stdout cannot be written\n" << std::flush;
-    return ExitCode::notWritten;
+    return exit == ExitCode::ok ? endOfOutput(console) : exit;
 }
 
 }  // namespace rivage::client

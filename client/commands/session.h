@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "client/command_line.h"
 #include "client/transport.h"
@@ -30,9 +31,18 @@ ExitCode complain(const Invocation& invocation, Console& console, const std::str
 [[nodiscard]] std::string complaintText(const Session& session, const std::string& about,
                                         const Failure& failure, const std::string& output);
 
-/// All bytes of a grid; "-" is stdin.
-/// @errors usage; refused if it is larger than any server takes
-Outcome<std::string> readInput(const std::string& path, Console& console);
+/// All bytes of an input; "-" is stdin. A stop ends the waiting for a pipe.
+/// @errors usage; refused if it is larger than any server takes; cancelled
+Outcome<std::string> readInput(const std::string& path, Console& console,
+                               const Interrupt& interrupt);
+
+inline constexpr std::size_t kSignatureBytes = 6;  ///< that tell the format of a grid
+
+/// A refusal of a file that is not what its name says, in words of files: the server, which sees
+/// no name, says only which formats there are.
+/// @param start  the first `kSignatureBytes` of the file
+[[nodiscard]] Failure inWordsOfFiles(const std::string& path, std::string_view start,
+                                     Failure failure);
 
 ExitCode runInspect(Session& session);
 ExitCode runSample(Session& session);

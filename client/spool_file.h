@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <ostream>
+#include <string_view>
+#include <utility>
+
+#include "client/failure.h"
+
+namespace rivage::client {
+
+/// Bytes kept on the disk until they are known to be whole: a temporary file without a name, gone
+/// with the object or the process.
+class SpoolFile {
+public:
+    /// @errors notWritten if the folder for temporary files takes none
+    static Outcome<SpoolFile> open();
+    SpoolFile(SpoolFile&& other) noexcept
+        : file_(std::exchange(other.file_, -1)), size_(other.size_), error_(other.error_) {}
+    SpoolFile& operator=(SpoolFile&&) = delete;
+    ~SpoolFile();
+
+    /// Appends; false if that failed.
+    bool write(std::string_view bytes);
+    /// Drops everything written so far.
+    bool restart();
+    [[nodiscard]] std::uint64_t size() const { return size_; }
+    /// @errors notWritten if a write has failed
+    [[nodiscard]] Outcome<void> writable() const;
+    /// Writes everything to a stream; false if it, or the disk, failed.
+    bool copyTo(std::ostream& stream) const;
+
+private:
+    SpoolFile() = default;
+    int file_ = -1;
+    std::uint64_t size_ = 0;
+    int error_ = 0;  ///< errno of the first write that failed
+};
+
+}  // namespace rivage::client
