@@ -37,8 +37,22 @@ std::string valueName(const proto::OptionInfo& info) {
     return text;
 }
 
+/// What each conversion option is if it is not given, nor set by a preset; empty: nothing.
+std::map<std::string, std::string> defaultTexts() {
+    std::map<std::string, std::string> texts;
+    const proto::Json described = proto::describeOptions();
+    for (const proto::Json& option : described["options"]) {
+        const proto::Json& value = option["default"];
+        texts[textOf(option, "name")] = value.is_string() ? value.get<std::string>()
+                                        : value.is_null() ? std::string()
+                                                          : proto::writeJson(value);
+    }
+    return texts;
+}
+
 /// One flag for every conversion option of the given groups; an empty list takes all.
 void addConversionOptions(CLI::App& command, Parsed& parsed, const std::string& onlyGroup) {
+    const std::map<std::string, std::string> normal = defaultTexts();
     for (const proto::OptionInfo& info : proto::optionInfos()) {
         if (!onlyGroup.empty() && info.group != onlyGroup) continue;
         command
@@ -48,6 +62,7 @@ void addConversionOptions(CLI::App& command, Parsed& parsed, const std::string& 
                     parsed.options[name] = value;
                 },
                 info.sentence)
+            ->default_str(normal.at(info.name))
             ->type_name(valueName(info))
             ->group("Conversion: " + info.group);
     }
@@ -78,6 +93,7 @@ void addCommon(CLI::App& app, Parsed& parsed) {
         ->type_name("FILE");
     app.add_option("--color", parsed.invocation.color, "Colours: auto on a terminal")
         ->check(CLI::IsMember({"auto", "always", "never"}))
+        ->capture_default_str()
         ->type_name("WHEN");
     app.add_flag("-q,--quiet", parsed.invocation.quiet, "Say nothing but errors");
     app.add_flag("--json", parsed.invocation.json, "Print JSON on stdout, one line for each input");
@@ -151,13 +167,16 @@ void addJobCommands(CLI::App& app, Parsed& parsed) {
 /// Commands that need no server.
 void addLocalCommands(CLI::App& app, Parsed& parsed) {
     CLI::App* compare = app.add_subcommand("compare", "Tell how two results differ");
-    compare->add_option("FILE", parsed.invocation.inputs, "Two results: .glb or .obj")
+    compare
+        ->add_option("FILE", parsed.invocation.inputs,
+                     "Two results, .glb or .obj, or two folders of them")
         ->required()
         ->expected(2)
         ->type_name("FILE");
     compare
         ->add_option("--max-distance", parsed.invocation.compare.maxDistance,
-                     "End with 6 if the surfaces are further apart, in voxels")
+                     "End with 6 if surfaces are further apart, in voxels, or a file of a folder "
+                     "has no partner")
         ->configurable(false)
         ->check(finite())
         ->check(CLI::NonNegativeNumber)
@@ -177,11 +196,17 @@ void addLocalCommands(CLI::App& app, Parsed& parsed) {
         ->capture_default_str()
         ->type_name("NUMBER");
     CLI::App* completions = app.add_subcommand("completions", "Print a completion script");
+    completions->footer(
+        "Where a shell finds it for good:\n"
+        "  bash  rivage completions bash > ~/.local/share/bash-completion/completions/rivage\n"
+        "  zsh   rivage completions zsh > ~/.zfunc/_rivage   (fpath+=~/.zfunc before compinit)\n"
+        "  fish  rivage completions fish > ~/.config/fish/completions/rivage.fish");
     completions->add_option("SHELL", parsed.invocation.inputs, "For which shell")
         ->required()
         ->expected(1)
         ->check(CLI::IsMember({"bash", "zsh", "fish"}));
-    app.add_subcommand("man", "Print the man page");
+    app.add_subcommand("man", "Print the man page")
+        ->footer("To install it: rivage man > ~/.local/share/man/man1/rivage.1");
 }
 
 void addCommands(CLI::App& app, Parsed& parsed) {
@@ -210,7 +235,10 @@ void addCommands(CLI::App& app, Parsed& parsed) {
 
     addJobCommands(app, parsed);
     addLocalCommands(app, parsed);
-    app.add_subcommand("options", "List the conversion options of the server");
+    app.add_subcommand("options", "List the conversion options of the server, or explain one")
+        ->add_option("NAME", parsed.invocation.inputs,
+                     "An option; 'preset' lists the presets, the name of one tells what it sets")
+        ->expected(1);
     app.add_subcommand("health", "Ask whether the server takes work");
 }
 

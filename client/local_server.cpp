@@ -146,6 +146,7 @@ tl::unexpected<Failure> LocalServer::notStarted(const std::string& why) const {
     std::string words{std::istreambuf_iterator<char>(log), {}};
     words.resize(std::min(words.size(), kMostWords));
     while (words.ends_with('\n')) words.pop_back();
+    std::replace(words.begin(), words.end(), '\n', ' ');
     return fail(ExitCode::unreachable, "The server for this run did not start",
                 why + (words.empty() ? "" : ": " + words) +
                     "; name another one with --server or RIVAGE_SERVER");

@@ -46,7 +46,9 @@ ManPageText manualText() {
         {"3", "The server refused the input or an option."},
         {"4", "No server answers, the connection broke for good, or a result arrived damaged."},
         {"5", "The server stayed full, or the time was over."},
-        {"6", "The job or the server failed; or two files differ more than compare allows."},
+        {"6",
+         "The job or the server failed; or files differ more than compare allows, or lack a "
+         "partner."},
         {"7", "Cancelled."},
         {"8", "The result could not be written."}};
     text.examples = {
@@ -56,7 +58,16 @@ ManPageText manualText() {
         {"rivage regularize 'models/**/*.vox' -o out --watch", "Again whenever one changes:"},
         {"rivage jobs list --state failed --server http://127.0.0.1:8080",
          "What failed at a server:"},
-        {"source <(rivage completions bash)", "Completion in this shell, which is bash:"}};
+        {"rivage options preset", "Which presets there are:"},
+        {"rivage compare before after --max-distance 0.1",
+         "Whether a new version made other surfaces of a folder of grids:"},
+        {"source <(rivage completions bash)", "Completion in this shell, which is bash:"},
+        {"rivage completions bash > ~/.local/share/bash-completion/completions/rivage",
+         "Completion in bash, for good:"},
+        {"rivage completions zsh > ~/.zfunc/_rivage",
+         "Completion in zsh, with fpath+=~/.zfunc before compinit in ~/.zshrc:"},
+        {"rivage completions fish > ~/.config/fish/completions/rivage.fish", "Completion in fish:"},
+        {"rivage man > ~/.local/share/man/man1/rivage.1", "This page for man(1):"}};
     text.seeAlso = {"rivage-load(1)"};
     return text;
 }

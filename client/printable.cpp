@@ -46,9 +46,7 @@ std::string printable(std::string_view text) {
     shown.reserve(text.size());
     while (!text.empty()) {
         const Character next = firstOf(text);
-        if (next.code >= '\t' && next.code <= '\r')
-            shown += ' ';
-        else if (next.code == kNone || isControl(next.code))
+        if (next.code == kNone || isControl(next.code))
             shown += '?';
         else
             shown += text.substr(0, next.bytes);

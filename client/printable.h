@@ -8,8 +8,8 @@
 namespace rivage::client {
 
 /// One line of text that is safe to show: what servers, files and file names say may hold escape
-/// sequences. Line breaks and tabs become blanks; other control characters (C0, DEL, C1), marks
-/// that turn the direction of writing, and bytes that are no UTF-8 become '?', one each.
+/// sequences. Control characters (C0 with line breaks, DEL, C1), marks that turn the direction of
+/// writing, and bytes that are no UTF-8 become '?', one each.
 [[nodiscard]] std::string printable(std::string_view text);
 
 /// Text cut to at most `most` bytes, not inside of a character.

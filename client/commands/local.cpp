@@ -2,10 +2,7 @@
 
 #include "client/command_tree.h"
 #include "client/commands/local.h"
-#include "client/commands/session.h"
-#include "client/compare/compare.h"
 #include "client/manual.h"
-#include "client/printable.h"
 #include "client/reference/reference.h"
 
 namespace rivage::client {
@@ -22,21 +19,6 @@ ExitCode withTree(Console& console, Write write) {
 }
 
 }  // namespace
-
-ExitCode runCompare(const Invocation& invocation, Console& console, const Interrupt& interrupt) {
-    CompareSettings settings = invocation.compare;
-    settings.nameA = invocation.inputs[0];
-    settings.nameB = invocation.inputs[1];
-    const auto a = readInput(settings.nameA, console, interrupt);
-    if (!a) return complain(invocation, console, settings.nameA, a.error());
-    const auto b = readInput(settings.nameB, console, interrupt);
-    if (!b) return complain(invocation, console, settings.nameB, b.error());
-    const auto comparison = compareAssets(*a, *b, settings);
-    if (!comparison) return complain(invocation, console, {}, comparison.error());
-    console.out << (invocation.json ? jsonLine(*comparison) : comparisonTable(*comparison))
-                << std::flush;
-    return console.out ? exitOf(*comparison) : ExitCode::ok;  // runCommand says what is wrong
-}
 
 ExitCode runCompletions(const Invocation& invocation, Console& console) {
     const auto shell = shellOf(invocation.inputs.front());

@@ -1,5 +1,6 @@
 #include "client/commands/session.h"
 #include "client/inputs.h"
+#include "client/option_help.h"
 #include "client/printable.h"
 #include "client/progress.h"
 #include "client/report_table.h"
@@ -97,7 +98,17 @@ ExitCode runSample(Session& session) {
 
 ExitCode runListSamples(Session& session) { return show(session, "/v1/samples", sampleList); }
 
-ExitCode runOptions(Session& session) { return show(session, "/v1/options", optionTable); }
+ExitCode runOptions(Session& session) {
+    if (session.invocation.inputs.empty()) return show(session, "/v1/options", optionTable);
+    const auto response = session.connect().send(makeRequest("GET", "/v1/options"));
+    if (!response) return stop(session, {}, response.error());
+    const Json answer = readAnswer(response->body);
+    const auto help = explainOption(answer.is_object() ? answer : Json::object(),
+                                    session.invocation.inputs.front());
+    if (!help) return stop(session, {}, help.error());
+    session.console.out << (session.invocation.json ? jsonLine(help->json) : help->text);
+    return ExitCode::ok;
+}
 
 ExitCode runHealth(Session& session) { return show(session, "/version", healthLine); }
 

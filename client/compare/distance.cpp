@@ -1,6 +1,7 @@
 #include "client/compare/distance.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -30,6 +31,35 @@ std::vector<std::uint32_t> trianglesWithArea(const Surface& surface, std::size_t
     for (std::size_t t = first; t < first + count; ++t)
         if (areaNormal(cornersOf(surface, t)).squaredNorm() > 0)
             triangles.push_back(static_cast<std::uint32_t>(t));
+    return triangles;
+}
+
+/// Leaves out triangles that another one already stands for: the same corners in the same turn, of
+/// the same colours. A search would find them all at every place, however many there are.
+std::vector<std::uint32_t> withoutCopies(const Surface& surface,
+                                         std::vector<std::uint32_t> triangles) {
+    using Corner = std::array<float, 6>;
+    const auto key = [&](std::uint32_t t) {
+        std::array<Corner, 3> corners;
+        for (int i = 0; i < 3; ++i) {
+            const std::uint32_t v = surface.triangles[t][i];
+            const Eigen::Vector3f& p = surface.positions[v];
+            const Eigen::Vector3f c =
+                surface.colors.empty() ? Eigen::Vector3f::Zero() : surface.colors[v];
+            corners[i] = {p.x(), p.y(), p.z(), c.x(), c.y(), c.z()};
+        }
+        std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()),
+                    corners.end());
+        return corners;
+    };
+    std::vector<std::pair<std::array<Corner, 3>, std::uint32_t>> keys;
+    keys.reserve(triangles.size());
+    for (const std::uint32_t t : triangles) keys.emplace_back(key(t), t);
+    std::sort(keys.begin(), keys.end());
+    triangles.clear();
+    for (std::size_t i = 0; i < keys.size(); ++i)
+        if (i == 0 || keys[i].first != keys[i - 1].first) triangles.push_back(keys[i].second);
+    std::sort(triangles.begin(), triangles.end());
     return triangles;
 }
 
@@ -185,7 +215,8 @@ DistanceSamples measureDistance(const Surface& a, const Surface& b,
     for (const PartPair& parts : pairs) {
         const std::vector<std::uint32_t> triangles = trianglesWithArea(a, parts.a);
         const Sampler sampler(a, triangles);
-        const TriangleTree tree(b, trianglesWithArea(b, parts.b), settings.tolerance);
+        const TriangleTree tree(b, withoutCopies(b, trianglesWithArea(b, parts.b)),
+                                settings.tolerance);
         const Pair pair{a, b, tree};
         const double share = static_cast<double>(settings.samples) * sampler.area() / total;
         out.rows.push_back({.partA = parts.a,

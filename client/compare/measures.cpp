@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -13,38 +14,50 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-/// One number a position, for the vertices that the triangles use.
-std::vector<std::uint32_t> numberPositions(const Surface& surface, std::size_t first,
-                                           std::size_t count) {
-    std::vector<std::uint32_t> corners;
-    corners.reserve(3 * count);
-    for (std::size_t t = first; t < first + count; ++t)
-        corners.insert(corners.end(), surface.triangles[t].begin(), surface.triangles[t].end());
-    std::sort(corners.begin(), corners.end());
-    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-    const auto key = [&](std::uint32_t v) {
-        const Vector3f& p = surface.positions[v];
-        return std::tuple(p.x(), p.y(), p.z());
-    };
-    std::sort(corners.begin(), corners.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
-    std::vector<std::uint32_t> numbers(surface.positions.size());
-    std::uint32_t next = 0;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        if (i > 0 && key(corners[i - 1]) < key(corners[i])) ++next;
-        numbers[corners[i]] = next;
+/// Numbers of positions: the same for vertices that lie at the same place. It holds the vertices of
+/// some triangles only, as a file may have very many parts.
+class PlaceNumbers {
+public:
+    PlaceNumbers(const Surface& surface, std::size_t first, std::size_t count) {
+        vertices_.reserve(3 * count);
+        for (std::size_t t = first; t < first + count; ++t)
+            vertices_.insert(vertices_.end(), surface.triangles[t].begin(),
+                             surface.triangles[t].end());
+        std::sort(vertices_.begin(), vertices_.end());
+        vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+        const auto key = [&](std::size_t i) {
+            const Vector3f& p = surface.positions[vertices_[i]];
+            return std::tuple(p.x(), p.y(), p.z());
+        };
+        std::vector<std::size_t> order(vertices_.size());
+        std::iota(order.begin(), order.end(), 0);
+        std::sort(order.begin(), order.end(),
+                  [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+        numbers_.resize(vertices_.size());
+        std::uint32_t next = 0;
+        for (std::size_t i = 0; i < order.size(); ++i) {
+            if (i > 0 && key(order[i - 1]) < key(order[i])) ++next;
+            numbers_[order[i]] = next;
+        }
     }
-    return numbers;
-}
+    [[nodiscard]] std::uint32_t of(std::uint32_t vertex) const {
+        return numbers_[std::lower_bound(vertices_.begin(), vertices_.end(), vertex) -
+                        vertices_.begin()];
+    }
+
+private:
+    std::vector<std::uint32_t> vertices_;  ///< sorted
+    std::vector<std::uint32_t> numbers_;   ///< of each
+};
 
 bool isClosed(const Surface& surface, std::size_t first, std::size_t count) {
-    const std::vector<std::uint32_t> numbers = numberPositions(surface, first, count);
+    const PlaceNumbers numbers(surface, first, count);
     std::vector<std::pair<std::uint64_t, int>> edges;  // both ends, and the way
     edges.reserve(3 * count);
     for (std::size_t t = first; t < first + count; ++t)
         for (int i = 0; i < 3; ++i) {
-            std::uint64_t a = numbers[surface.triangles[t][i]];
-            std::uint64_t b = numbers[surface.triangles[t][(i + 1) % 3]];
+            std::uint64_t a = numbers.of(surface.triangles[t][i]);
+            std::uint64_t b = numbers.of(surface.triangles[t][(i + 1) % 3]);
             if (a == b) continue;
             const int way = a < b ? 1 : -1;
             if (a > b) std::swap(a, b);

@@ -15,18 +15,12 @@ std::string patternOf(const TreeCommand& command, const std::vector<std::string>
 /// The lines by which a word that has been typed changes what may follow.
 std::string stepCases(const std::vector<const TreeCommand*>& commands) {
     std::string cases;
-    for (const TreeCommand* command : commands) {
-        for (const TreeCommand& below : command->commands) {
-            std::vector<std::string> names = below.aliases;
-            names.insert(names.begin(), below.path.back());
-            cases += "            " + patternOf(*command, names) +
-                     ") command=" + shellQuoted(pathText(below)) + " ;;\n";
-        }
-        for (const TreeOption& option : allOptions(*command))
-            if (option.takesValue)
-                cases += "            " + patternOf(*command, option.names) + ") option=$word" +
-                         (option.many ? " many=1" : "") + " ;;\n";
-    }
+    for (const Step& step : stepsOf(commands))
+        cases +=
+            "            " + patternOf(*step.after, step.words) + ") " +
+            (step.command != nullptr ? "command=" + shellQuoted(pathText(*step.command))
+                                     : std::string("option=$word") + (step.many ? " many=1" : "")) +
+            " ;;\n";
     return cases;
 }
 

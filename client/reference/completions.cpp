@@ -1,5 +1,7 @@
 #include "client/reference/completions.h"
 
+#include <utility>
+
 #include "client/reference/reference.h"
 
 namespace rivage::client {
@@ -14,6 +16,20 @@ Arguments argumentsOf(const TreeCommand& command) {
         next.folders = next.folders || kind.folders;
     }
     return next;
+}
+
+std::vector<Step> stepsOf(const std::vector<const TreeCommand*>& commands) {
+    std::vector<Step> steps;
+    for (const TreeCommand* command : commands) {
+        for (const TreeCommand& below : command->commands) {
+            std::vector<std::string> names = below.aliases;
+            names.insert(names.begin(), below.path.back());
+            steps.push_back({command, std::move(names), &below});
+        }
+        for (const TreeOption& option : allOptions(*command))
+            if (option.takesValue) steps.push_back({command, option.names, nullptr, option.many});
+    }
+    return steps;
 }
 
 std::optional<Shell> shellOf(std::string_view name) {

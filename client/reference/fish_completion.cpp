@@ -22,18 +22,11 @@ std::string patternOf(const TreeCommand& command, const std::vector<std::string>
 /// The lines by which a word that has been typed changes what may follow.
 std::string stepCases(const std::vector<const TreeCommand*>& commands) {
     std::string cases;
-    for (const TreeCommand* command : commands) {
-        for (const TreeCommand& below : command->commands) {
-            std::vector<std::string> names = below.aliases;
-            names.insert(names.begin(), below.path.back());
-            cases += "            case" + patternOf(*command, names) +
-                     "\n                set command " + fishQuoted(pathText(below)) + "\n";
-        }
-        for (const TreeOption& option : allOptions(*command))
-            if (option.takesValue)
-                cases += "            case" + patternOf(*command, option.names) +
-                         "\n                set option " + option.names.back() +
-                         (option.many ? "\n                set many 1\n" : "\n");
+    for (const Step& step : stepsOf(commands)) {
+        cases += "            case" + patternOf(*step.after, step.words) + "\n                set ";
+        cases += step.command != nullptr ? "command " + fishQuoted(pathText(*step.command))
+                                         : "option " + step.words.back();
+        cases += step.many ? "\n                set many 1\n" : "\n";
     }
     return cases;
 }

@@ -1,9 +1,12 @@
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <chrono>
 #include <map>
 #include <mutex>
+#include <new>
+#include <streambuf>
 #include <thread>
 
 #include "client/plan.h"
@@ -166,6 +169,59 @@ TEST_CASE("batch: --if-newer passes over what is up to date") {
     CHECK(second.code == ExitCode::ok);
     CHECK(models.mirror.posts == 5);
     CHECK(says(second, "1 converted, 3 up to date"));
+    CHECK_FALSE(says(second, "in/a.vox"));
+    Run third;
+    models.regularize(third, {models.folder / "in/a.vox", "-o", models.folder / "out/",
+                              "--if-newer", "--output", "obj"});
+    CHECK(says(third, "0 converted, 1 up to date"));
+}
+
+TEST_CASE("batch: a stop ends the waiting for who writes to a pipe") {
+    Models models;
+    const std::string pipe = models.folder / "pipe.vox";
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    Run run;
+    std::thread person([&] {
+        std::this_thread::sleep_for(100ms);
+        run.interrupt.request();
+    });
+    models.regularize(run, {pipe, "-o", models.folder / "x.glb"});
+    person.join();
+    CHECK(run.code == ExitCode::cancelled);
+    Run fed;
+    std::thread writer([&] { writeFile(pipe, "from a pipe"); });
+    models.regularize(fed, {pipe, "-o", models.folder / "x.glb"});
+    writer.join();
+    CHECK(fed.code == ExitCode::ok);
+    CHECK(contentOf(models.folder / "x.glb") == "from a pipe");
+}
+
+/// What breaks off in the middle of a read, as memory that runs out does.
+class Broken : public std::streambuf {
+    int_type underflow() override { throw std::bad_alloc(); }
+};
+
+TEST_CASE("batch: an exception is the end of its file, not of the others") {
+    Models models;
+    Broken broken;
+    Run run;
+    static_cast<std::ios&>(run.in).rdbuf(&broken);
+    run.in.exceptions(std::ios::badbit);
+    models.regularize(run, {"-", models.folder / "in", "-o", models.folder / "out/", "--json"});
+    CHECK(run.code == ExitCode::failed);
+    CHECK(says(run, "-: There is not enough memory"));
+    CHECK(says(run, "4 converted, 1 failed"));
+    CHECK(run.out.str().find("\"exit\":6") != std::string::npos);
+}
+
+TEST_CASE("batch: a folder that cannot be searched ends with 2, after the others") {
+    Models models;
+    std::filesystem::create_symlink("loop.vox", models.folder / "in/loop.vox");
+    Run run;
+    models.regularize(run, {models.folder / "in", "-o", models.folder / "out"});
+    CHECK(run.code == ExitCode::usage);
+    CHECK(says(run, "in/loop.vox: It cannot be read, and is left out"));
+    CHECK(says(run, "4 converted"));
 }
 
 TEST_CASE("reject: two results in one place, before anything is sent") {

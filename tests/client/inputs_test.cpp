@@ -80,6 +80,31 @@ TEST_CASE("reject: folders and patterns without grids") {
     }
 }
 
+TEST_CASE("inputs: what a search meets and cannot read is named") {
+    const Tree tree;
+    namespace fs = std::filesystem;
+    fs::create_symlink("loop.vox", tree.folder / "models/loop.vox");
+    fs::create_symlink("nothing", tree.folder / "models/gone.vox");
+    fs::create_symlink("nothing", tree.folder / "models/gone.txt");
+    fs::create_symlink("..", tree.folder / "models/a/up");
+    // A name that no system call takes: the superuser, who may read all, cannot read this either.
+    std::string deep = tree.folder / "models";
+    fs::path back = fs::current_path();
+    fs::current_path(deep);
+    for (int i = 0; i < 20; ++i) {
+        fs::create_directory(std::string(250, 'd'));
+        fs::current_path(std::string(250, 'd'));
+    }
+    fs::current_path(back);
+    const auto inputs = findInputs({tree.folder / "models"}, {".vox"}, false);
+    REQUIRE(inputs);
+    CHECK(inputs->files.size() == 2);
+    REQUIRE(inputs->unread.size() == 3);
+    CHECK(inputs->unread[0].why.find("name too long") != std::string::npos);
+    CHECK(inputs->unread[1].path.ends_with("gone.vox"));
+    CHECK(inputs->unread[2].path.ends_with("loop.vox"));
+}
+
 TEST_CASE("inputs: a name with a bracket that is a file is no pattern") {
     const TemporaryFolder folder;
     writeFile(folder / "a[1].vox", "x");

@@ -1,9 +1,12 @@
 #include "client/output_file.h"
 
 #include <doctest/doctest.h>
+#include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
+#include <thread>
 
 #include "tests/client/fake_server.h"
 
@@ -69,6 +72,52 @@ TEST_CASE("output file: a device is written, not replaced") {
     CHECK(file->write("x"));
     CHECK(file->commit());
     CHECK(std::filesystem::is_character_file("/dev/null"));
+}
+
+TEST_CASE("output file: a name of as many bytes as a name may have") {
+    const TemporaryFolder folder;
+    // Characters of two bytes, so that the temporary name has to be cut between two of them.
+    std::string name = "x";
+    while (name.size() < 251) name += "\xc3\xa4";
+    name += ".glb";
+    REQUIRE(name.size() == 255);
+    auto file = OutputFile::open(folder / name);
+    REQUIRE(file);
+    CHECK(file->write("all of it"));
+    CHECK(file->commit());
+    CHECK(contentOf(folder / name) == "all of it");
+    CHECK(folder.entries() == 1);
+}
+
+TEST_CASE("output file: a pipe waits for its reader, and for a slow one, until a stop") {
+    const TemporaryFolder folder;
+    const std::string pipe = folder / "pipe";
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    const std::string bytes(300'000, 'x');  // more than a pipe holds
+    std::thread reader([&] { CHECK(contentOf(pipe) == bytes); });
+    {
+        auto file = OutputFile::open(pipe);
+        REQUIRE(file);
+        CHECK(file->write(bytes));
+        CHECK(file->commit());
+    }
+    reader.join();
+
+    Interrupt interrupt;
+    interrupt.request();
+    const auto stopped = OutputFile::open(pipe, &interrupt);
+    REQUIRE_FALSE(stopped);
+    CHECK(stopped.error().exit == ExitCode::cancelled);
+
+    Interrupt later;
+    const int idle = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+    auto file = OutputFile::open(pipe, &later);
+    REQUIRE(file);
+    std::thread person([&] { later.request(); });
+    CHECK_FALSE(file->write(bytes));
+    person.join();
+    CHECK_FALSE(file->commit());
+    ::close(idle);
 }
 
 TEST_CASE("reject: a full device is noticed") {

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "client/failure.h"
+#include "client/option_help.h"
 #include "proto/options.h"
 
 namespace rivage::client {
@@ -52,6 +53,35 @@ TEST_CASE("report table: every option with its range and default") {
     checkHas(text, "--draco-speed          0..10; default 5");
     checkHas(text, "--displacement-limit   none, 0.001..16");
     checkHas(text, "--untangle             true, false; default true");
+}
+
+TEST_CASE("option help: an option, all presets, one preset") {
+    const Json answer = proto::describeOptions();
+    for (const char* name : {"draco_speed", "draco-speed", "--draco-speed"}) {
+        const auto help = explainOption(answer, name);
+        REQUIRE(help);
+        checkHas(help->text, "--draco-speed          0..10; default 5");
+        CHECK(help->text.find("--alpha") == std::string::npos);
+        CHECK(help->json["name"] == "draco_speed");
+    }
+    const auto presets = explainOption(answer, "preset");
+    REQUIRE(presets);
+    // Each that there is has its sentence.
+    for (const Json& name : presets->json["values"]) {
+        const std::string start = "\n  " + name.get<std::string>() + " ";
+        checkHas(presets->text, start);
+        const std::size_t at = presets->text.find(start) + start.size();
+        CHECK(presets->text.substr(at, presets->text.find('\n', at) - at).ends_with("."));
+    }
+    const auto noisy = explainOption(answer, "noisy");
+    REQUIRE(noisy);
+    checkHas(noisy->text, "--displacement-limit   1.5");
+    CHECK(noisy->json["options"]["displacement_limit"] == 1.5);
+    const auto none = explainOption(answer, "alhpa");
+    REQUIRE_FALSE(none);
+    CHECK(none.error().exit == ExitCode::usage);
+    checkHas(describe(none.error()), "did you mean alpha?");
+    CHECK_FALSE(explainOption(Json::object(), "alpha"));
 }
 
 TEST_SUITE_END();

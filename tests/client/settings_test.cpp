@@ -61,6 +61,26 @@ TEST_CASE("settings: lines, comments, quotes") {
     CHECK((*settings)[3].place == "f:6");
 }
 
+TEST_CASE("settings: a byte order mark before the first line") {
+    std::istringstream text("\xef\xbb\xbfpreset = paper\n");
+    const auto settings = readSettings(text, "f");
+    REQUIRE(settings);
+    REQUIRE(settings->size() == 1);
+    CHECK((*settings)[0].name == "preset");
+}
+
+TEST_CASE("reject: a time that is no number, from the command line and the file") {
+    const TemporaryFolder folder;
+    for (const std::string text : {"nan", "inf", "-nan", "-inf"}) {
+        CAPTURE(text);
+        CHECK(Read({"health", "--timeout", text}).result.error() == ExitCode::usage);
+        writeFile(folder / "config", "timeout = " + text + "\n");
+        CHECK(Read({"health", "--config", folder / "config"}).result.error() == ExitCode::usage);
+        CHECK(Read({"compare", "a", "b", "--max-distance", text}).result.error() ==
+              ExitCode::usage);
+    }
+}
+
 TEST_CASE("settings: command line over environment over file") {
     const TemporaryFolder folder;
     const std::string file = folder / "config";

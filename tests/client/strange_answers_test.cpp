@@ -105,6 +105,68 @@ TEST_CASE("reject: a list of jobs whose next page is itself, or has no end") {
     CHECK(pages == 2);
 }
 
+TEST_CASE("reject: a redirection is named, not followed") {
+    FakeServer server;
+    std::atomic<int> followed{0};
+    server.http.Get("/version", [](const httplib::Request&, httplib::Response& response) {
+        response.status = 302;
+        response.set_header("Location", "/elsewhere");
+    });
+    server.http.Get("/elsewhere", [&](const httplib::Request&, httplib::Response& response) {
+        ++followed;
+        response.set_content("{}", "application/json");
+    });
+    server.start();
+    Run run;
+    run({"health", "--server", server.url()});
+    CHECK(run.code == ExitCode::failed);
+    CHECK(run.err.str().find("elsewhere: to /elsewhere (status 302)") != std::string::npos);
+    CHECK(followed == 0);
+}
+
+TEST_CASE("reject: a file that is empty, or not what its name says, in words of files") {
+    const TemporaryFolder folder;
+    writeFile(folder / "a.vox", "hello");
+    writeFile(folder / "empty.vox", "");
+    FakeServer server;
+    const auto refuse = [](const httplib::Request&, httplib::Response& response) {
+        response.status = 415;
+        response.set_content(R"({"title":"No format","detail":"of ours","field":"/grid"})",
+                             "application/problem+json");
+    };
+    server.http.Post("/v1/jobs", refuse);
+    server.http.Post("/v1/inspect", refuse);
+    server.start();
+    for (const char* command : {"regularize", "inspect"}) {
+        Run run;
+        run({command, folder / "a.vox", "--server", server.url()});
+        CHECK(run.code == ExitCode::refused);
+        CHECK(run.err.str() == "rivage: " + (folder / "a.vox") +
+                                   ": This is not a MagicaVoxel file: it does not begin with "
+                                   "\"VOX \"\n");
+        Run empty;
+        empty({command, folder / "empty.vox", "--server", server.url()});
+        CHECK(empty.code == ExitCode::refused);
+        CHECK(empty.err.str() == "rivage: " + (folder / "empty.vox") + ": The file is empty\n");
+        Run missing;
+        missing({command, folder / "none.vox", "--server", server.url()});
+        CHECK(missing.code == ExitCode::usage);
+        CHECK(missing.err.str() == "rivage: " + (folder / "none.vox") +
+                                       ": The input cannot be read: No such file or directory\n");
+    }
+}
+
+TEST_CASE("reject: --help and its like when stdout takes nothing") {
+    for (const char* word : {"--help", "--version", "man"}) {
+        CAPTURE(word);
+        Run run;
+        run.out.setstate(std::ios::badbit);
+        run({word});
+        CHECK(run.code == ExitCode::notWritten);
+        CHECK(run.err.str() == "rivage: stdout cannot be written\n");
+    }
+}
+
 TEST_CASE("jobs: numbers of a server that are none of a job") {
     FakeServer server;
     server.http.Get("/v1/jobs/a", [](const httplib::Request&, httplib::Response& response) {

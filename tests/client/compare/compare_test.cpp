@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <chrono>
+
 #include "glb_builder.h"
 
 using namespace rivage::client;
@@ -224,5 +226,27 @@ TEST_SUITE("client/compare") {
         CHECK(has(table, "?[2Jred"));
         for (const char c : table) CHECK((c == '\n' || static_cast<unsigned char>(c) >= 0x20));
         CHECK(has(table, "a?.glb"));
+    }
+
+    // Both used to take more than 25 s: each part looked at the vertices of all, and each search
+    // met every copy of a triangle.
+    TEST_CASE("regression: very many parts, and very many copies of one triangle") {
+        std::vector<Shape> parts;
+        for (int i = 0; i < 20'000; ++i)
+            parts.push_back(shifted(cube(0, 1), Vector3f(2.0F * static_cast<float>(i), 0, 0)));
+        Shape copies;
+        copies.positions = {{0, 0, 0}, {1, 0, 0.3F}, {0, 1, 0.7F}};
+        for (std::uint32_t i = 0; i < 100'000; ++i)
+            copies.triangles.push_back({i % 3, (i + 1) % 3, (i + 2) % 3});
+        for (const auto& shapes : {parts, std::vector<Shape>{copies}}) {
+            const auto start = std::chrono::steady_clock::now();
+            const std::string bytes = plainGlb(shapes).bytes();
+            const auto json = compareAssets(bytes, bytes);
+            REQUIRE(json);
+            CHECK((*json)["distance"]["max"]["meters"] == 0);
+            const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+            CHECK(time.count() < 10);
+            MESSAGE(time.count());
+        }
     }
 }

@@ -17,16 +17,6 @@ namespace {
 
 GlbSource small() { return dracoGlb({ball({0, 0, 0}, 1, 6)}, 12); }
 
-void refuse(const std::string& bytes, const char* why) {
-    CAPTURE(why);
-    const auto surface = readSurface(bytes);
-    REQUIRE_FALSE(surface);
-    CHECK(surface.error().exit == ExitCode::refused);
-    const std::string detail = textOf(surface.error().problem, "detail");
-    CAPTURE(detail);
-    CHECK(detail.find(why) != std::string::npos);
-}
-
 void refuseSpoiled(const char* why, const std::function<void(GlbSource&)>& spoil) {
     GlbSource glb = small();
     spoil(glb);

@@ -1,5 +1,6 @@
 #include "glb_builder.h"
 
+#include <doctest/doctest.h>
 #include <draco/compression/encode.h>
 #include <draco/mesh/mesh.h>
 
@@ -216,6 +217,16 @@ GlbSource dracoGlb(const std::vector<Shape>& shapes, int bits) {
         addNode(glb, std::move(primitive));
     }
     return glb;
+}
+
+void refuse(const std::string& bytes, const char* why) {
+    CAPTURE(why);
+    const auto surface = readSurface(bytes);
+    REQUIRE_FALSE(surface);
+    CHECK(surface.error().exit == ExitCode::refused);
+    const std::string detail = textOf(surface.error().problem, "detail");
+    CAPTURE(detail);
+    CHECK(detail.find(why) != std::string::npos);
 }
 
 }  // namespace rivage::client::test

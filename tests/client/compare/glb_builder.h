@@ -47,4 +47,7 @@ GlbSource plainGlb(const std::vector<Shape>& shapes, const proto::Json& report =
 /// The same with a Draco stream, positions rounded to `bits` of the largest extent.
 GlbSource dracoGlb(const std::vector<Shape>& shapes, int bits);
 
+/// Checks that the bytes of a file are refused, and that the words say something of why.
+void refuse(const std::string& bytes, const char* why);
+
 }  // namespace rivage::client::test

@@ -17,17 +17,6 @@ namespace {
 /// A small GLB that is read when nothing is spoiled.
 GlbSource small() { return plainGlb({painted(cube(0, 1), {0.25F, 0.5F, 1})}); }
 
-/// That the bytes are refused, and says something of why.
-void refuse(const std::string& bytes, const char* why) {
-    CAPTURE(why);
-    const auto surface = readSurface(bytes);
-    REQUIRE_FALSE(surface);
-    CHECK(surface.error().exit == ExitCode::refused);
-    const std::string detail = textOf(surface.error().problem, "detail");
-    CAPTURE(detail);
-    CHECK(detail.find(why) != std::string::npos);
-}
-
 void refuseSpoiled(const char* why, const std::function<void(Json&)>& spoil) {
     GlbSource glb = small();
     spoil(glb.json);
