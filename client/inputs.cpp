@@ -89,8 +89,10 @@ private:
             if (!link) open_.push_back(std::move(below));
         } else if (status.type() == fs::file_type::regular) {
             met_.push_back({std::move(below), {}});
-        } else if (status.type() == fs::file_type::none) {
+        } else if (status.type() == fs::file_type::none && link) {
             met_.push_back({std::move(below), error.message()});
+        } else if (status.type() == fs::file_type::none) {  // whatever its name: maybe a folder
+            unread_.push_back({entry.path().string(), error.message()});
         } else if (link && status.type() == fs::file_type::not_found) {
             met_.push_back({std::move(below), "it is a link to nothing"});
         }

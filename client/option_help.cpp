@@ -49,7 +49,8 @@ OptionHelp explain(const Json& option) {
     OptionHelp help{option, optionTable({{"options", Json::array({option})}})};
     if (const std::string needs = textOf(option, "only_with"); !needs.empty())
         help.text += line("", "Needs " + printable(needs) + ".");
-    for (const auto& [preset, value] : option.value("presets", Json::object()).items())
+    const Json presets = option.value("presets", Json::object());
+    for (const auto& [preset, value] : presets.items())
         help.text += line("", "With --preset " + printable(preset) + " " + valueText(value) + ".");
     if (textOf(option, "name") != "preset") return help;
     help.text += "\n";
