@@ -143,12 +143,6 @@ CommandLine finish(const CLI::App& app, Parsed& parsed, const std::vector<Settin
 
 }  // namespace
 
-ExitCode endOfOutput(Console& console) {
-    if (console.out.flush()) return ExitCode::ok;
-    console.err << "rivage: stdout cannot be written\n" << std::flush;
-    return ExitCode::notWritten;
-}
-
 CommandLine parseCommandLine(const std::vector<std::string>& arguments, Console& console) {
     CLI::App app(kProgramSentence, "rivage");
     Parsed parsed;
@@ -163,7 +157,8 @@ CommandLine parseCommandLine(const std::vector<std::string>& arguments, Console&
         app.parse(std::move(reversed));
     } catch (const CLI::Success& done) {
         app.exit(done, console.out, console.err);
-        return tl::unexpected(endOfOutput(console));
+        return tl::unexpected(outputArrived(console, "rivage") ? ExitCode::ok
+                                                              : ExitCode::notWritten);
     } catch (const CLI::ParseError& error) {
         return complain(console, complaint(app, arguments, error));
     }

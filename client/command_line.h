@@ -65,10 +65,6 @@ using CommandLine = tl::expected<Invocation, ExitCode>;
 [[nodiscard]] CommandLine parseCommandLine(const std::vector<std::string>& arguments,
                                            Console& console);
 
-/// How a run ends that has printed what it was asked for.
-/// @return  notWritten, and then said so, if stdout did not take all of it
-[[nodiscard]] ExitCode endOfOutput(Console& console);
-
 /// Does what a command line asks for.
 [[nodiscard]] ExitCode runCommand(const Invocation& invocation, Console& console,
                                   Interrupt& interrupt);

@@ -20,6 +20,15 @@ struct Console {
     int inFile = -1;             ///< of `in`, where a stop has to end the reading; -1: has none
 };
 
+/// Whether everything that `out` was given has arrived: a full disk or a closed pipe may only show
+/// now. If not, it is said on `err`.
+/// @param program  its name, for the complaint
+[[nodiscard]] inline bool outputArrived(Console& console, const char* program) {
+    if (console.out.flush()) return true;
+    console.err << program << ": stdout cannot be written\n" << std::flush;
+    return false;
+}
+
 enum class Tone : std::uint8_t { good, bad, dim };
 
 /// The text in a colour, if the console shows any.

@@ -107,7 +107,8 @@ ExitCode runChecked(const Invocation& invocation, Console& console, Interrupt& i
 
 ExitCode runCommand(const Invocation& invocation, Console& console, Interrupt& interrupt) {
     const ExitCode exit = runChecked(invocation, console, interrupt);
-    return exit == ExitCode::ok ? endOfOutput(console) : exit;
+    if (exit != ExitCode::ok || outputArrived(console, "rivage")) return exit;
+    return ExitCode::notWritten;
 }
 
 }  // namespace rivage::client

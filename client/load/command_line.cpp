@@ -192,7 +192,8 @@ tl::expected<LoadOptions, LoadExit> parseLoadCommandLine(const std::vector<std::
         app.parse(std::move(reversed));
     } catch (const CLI::Success& done) {
         app.exit(done, console.out, console.err);
-        return tl::unexpected(LoadExit::ok);
+        return tl::unexpected(outputArrived(console, "rivage-load") ? LoadExit::ok
+                                                                    : LoadExit::notWritten);
     } catch (const CLI::ParseError& error) {
         return complain(console, error.what());
     }

@@ -260,14 +260,13 @@ LoadExit stub(const LoadOptions& options, Console& console, Interrupt& interrupt
         return LoadExit::usage;
     }
     console.out << "listening on " << server.url() << std::endl;
+    if (!console.out) return LoadExit::ok;  // the caller says what is wrong
     while (interrupt.sleep(std::chrono::hours(1))) {
     }
     return LoadExit::ok;
 }
 
-}  // namespace
-
-LoadExit runLoadCommand(const LoadOptions& options, Console& console, Interrupt& interrupt) {
+LoadExit dispatch(const LoadOptions& options, Console& console, Interrupt& interrupt) {
     if (options.command == LoadCommand::run || options.command == LoadCommand::search ||
         options.command == LoadCommand::selftest)
         prepareProcess(options.nice);
@@ -282,6 +281,17 @@ LoadExit runLoadCommand(const LoadOptions& options, Console& console, Interrupt&
             return LoadExit::ok;
     }
     return LoadExit::usage;
+}
+
+}  // namespace
+
+LoadExit runLoadCommand(const LoadOptions& options, Console& console, Interrupt& interrupt) {
+    const LoadExit exit = dispatch(options, console, interrupt);
+    // What was measured is lost with the report; why nothing was measured is not.
+    const bool reported =
+        exit == LoadExit::ok || exit == LoadExit::missed || exit == LoadExit::late;
+    if (!reported || outputArrived(console, "rivage-load")) return exit;
+    return LoadExit::notWritten;
 }
 
 }  // namespace rivage::client::load
