@@ -1,15 +1,20 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <exception>
 #include <iostream>
 #include <string>
 #include <vector>
 
 #include "client/load/command_line.h"
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
     using namespace rivage::client;
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);  // `ulimit -f` is an error of writing, not of the program
+    std::ios::sync_with_stdio(false);
     Console console{std::cin, std::cout, std::cerr, isatty(STDOUT_FILENO) == 1,
                     isatty(STDERR_FILENO) == 1};
     const auto options =
@@ -18,4 +23,15 @@ int main(int argc, char** argv) {
     Interrupt interrupt;
     const SignalWatcher watcher(interrupt);
     return static_cast<int>(load::runLoadCommand(*options, console, interrupt));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const std::exception& error) {  // such as memory that ran out
+        std::cerr << "rivage-load: " << error.what() << "\n" << std::flush;
+        return static_cast<int>(rivage::client::load::LoadExit::late);
+    }
 }

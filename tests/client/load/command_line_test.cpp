@@ -145,6 +145,31 @@ TEST_SUITE("client/load") {
         CHECK((ended.out + ended.err).find("secret-1") == std::string::npos);
     }
 
+    TEST_CASE("output: what stdout does not take ends with 8") {
+        const StubServer stub({});
+        std::istringstream in;
+        for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+                 {"--help"},
+                 {"run", "--help"},
+                 {"--version"},
+                 {"man"},
+                 {"completions", "bash"},
+                 {"stub"},
+                 runAt(stub.url(), {"--concurrency", "1"}),
+                 runAt(stub.url(), {"--concurrency", "1", "--json", "--slo", "p50=1us"})}) {
+            CAPTURE(arguments);
+            std::ofstream full("/dev/full");
+            std::ostringstream err;
+            Console console{in, full, err};
+            const auto options = parseLoadCommandLine(arguments, console);
+            Interrupt interrupt;
+            const LoadExit exit =
+                options ? runLoadCommand(*options, console, interrupt) : options.error();
+            CHECK(exit == LoadExit::notWritten);
+            CHECK(err.str().find("rivage-load: stdout cannot be written\n") != std::string::npos);
+        }
+    }
+
     TEST_CASE("search: nobody there") {
         CHECK(command({"search", "--server", "http://127.0.0.1:1", "--get", "/"}).code == 4);
     }
