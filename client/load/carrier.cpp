@@ -21,7 +21,53 @@ constexpr auto kWakeEarly = 60us;
 constexpr std::size_t kBuffer = 256 << 10;
 constexpr int kEvents = 256;
 
-Fault connectFault(int error) {
+/// Watches a descriptor. @return 0, or errno
+int watch(int epoll, int fd, std::uint32_t events, void* what) {
+    epoll_event event{};
+    event.events = events;
+    event.data.ptr = what;
+    return epoll_ctl(epoll, EPOLL_CTL_ADD, fd, &event) == 0 ? 0 : errno;
+}
+
+}  // namespace
+
+void Shortage::note(int what) {
+    if (count++ == 0) error = what;
+}
+
+void Shortage::merge(const Shortage& other) {
+    if (count == 0) error = other.error;
+    count += other.count;
+}
+
+Carrier::Carrier(const Target& target, CarrierLimits limits, ExchangeListener& listener)
+    : target_(target),
+      limits_(limits),
+      listener_(listener),
+      buffer_(kBuffer),
+      nextSweep_(Clock::now()) {
+    const int error = prepare();
+    if (error != 0) shortage_.note(error);
+    ready_ = error == 0;
+}
+
+/// @return 0, or errno
+int Carrier::prepare() {
+    epoll_ = epoll_create1(EPOLL_CLOEXEC);
+    if (epoll_ < 0) return errno;
+    timer_ = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
+    if (timer_ < 0) return errno;
+    // Setting the timer anew clears it: it is never read.
+    return watch(epoll_, timer_, EPOLLIN | EPOLLET, nullptr);
+}
+
+Carrier::~Carrier() {
+    slots_.clear();
+    if (timer_ >= 0) ::close(timer_);
+    if (epoll_ >= 0) ::close(epoll_);
+}
+
+Fault Carrier::connectFault(int error) {
     switch (error) {
         case ECONNREFUSED:
         case ENOENT:
@@ -29,30 +75,14 @@ Fault connectFault(int error) {
         case ETIMEDOUT: return Fault::connectTimeout;
         case EMFILE:
         case ENFILE:
-        case EADDRNOTAVAIL: return Fault::notSent;  // our own limits, not the server's
+        case ENOMEM:
+        case ENOBUFS:
+        case ENOSPC:
+        case EADDRNOTAVAIL:  // our own limits, not the server's
+            shortage_.note(error);
+            return Fault::notSent;
         default: return Fault::connectFailed;
     }
-}
-
-}  // namespace
-
-Carrier::Carrier(const Target& target, CarrierLimits limits, ExchangeListener& listener)
-    : target_(target),
-      limits_(limits),
-      listener_(listener),
-      epoll_(epoll_create1(EPOLL_CLOEXEC)),
-      timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
-      buffer_(kBuffer),
-      nextSweep_(Clock::now()) {
-    epoll_event event{};
-    event.events = EPOLLIN | EPOLLET;  // setting it anew clears it: it is never read
-    epoll_ctl(epoll_, EPOLL_CTL_ADD, timer_, &event);
-}
-
-Carrier::~Carrier() {
-    slots_.clear();
-    ::close(timer_);
-    ::close(epoll_);
 }
 
 void Carrier::begin(Exchange& exchange) {
@@ -62,7 +92,7 @@ void Carrier::begin(Exchange& exchange) {
     exchange.fault = Fault::none;
     exchange.retried = false;
     exchange.answer.reset(exchange.keep, exchange.head.starts_with("HEAD "));
-    Slot* slot = takeSlot();
+    Slot* slot = ready_ ? takeSlot() : nullptr;
     if (slot == nullptr) return report(exchange, Fault::notSent);
     slot->exchange = &exchange;
     slot->sent = 0;
@@ -96,10 +126,9 @@ void Carrier::open(Slot& slot) {
     const IoResult result = slot.wire.connect(target_);
     slot.interest = 0;
     if (result.io == Io::failed) return end(slot, connectFault(result.error));
+    if (const int error = watch(epoll_, slot.wire.fd(), 0, &slot); error != 0)
+        return end(slot, connectFault(error));
     ++opened_;
-    epoll_event event{};
-    event.data.ptr = &slot;
-    epoll_ctl(epoll_, EPOLL_CTL_ADD, slot.wire.fd(), &event);
     slot.stage = Stage::connecting;
     if (result.io == Io::wantWrite) return hear(slot, EPOLLOUT);
     drive(slot);

@@ -18,6 +18,14 @@ struct CarrierLimits {
     bool keepAlive = true;                      ///< false: a connection for each exchange
 };
 
+/// What this machine, and not the server, had too little of.
+struct Shortage {
+    int error = 0;            ///< errno of the first time: EMFILE, ENFILE, EADDRNOTAVAIL, ...
+    std::uint64_t count = 0;  ///< how often
+    void note(int what);
+    void merge(const Shortage& other);
+};
+
 /// Carries exchanges over connections of its own, with one epoll and without ever waiting for one
 /// of them. Belongs to one thread.
 class Carrier {
@@ -37,6 +45,9 @@ public:
     /// @return false if it neither slept nor did anything
     bool poll(TimePoint until);
 
+    /// Whether it can carry anything at all; if not, `shortage` says why.
+    [[nodiscard]] bool ready() const { return ready_; }
+    [[nodiscard]] const Shortage& shortage() const { return shortage_; }
     [[nodiscard]] std::size_t active() const { return active_; }
     [[nodiscard]] std::uint64_t opened() const { return opened_; }
     [[nodiscard]] std::uint64_t bytesIn() const { return bytesIn_; }
@@ -55,6 +66,7 @@ private:
         std::uint64_t epoch = 0;  ///< counts the exchanges that have ended
     };
 
+    int prepare();
     Slot* takeSlot();
     void open(Slot& slot);
     void react(Slot& slot, std::uint32_t events);
@@ -74,12 +86,15 @@ private:
     void sweep(TimePoint now);
     void setTimer(TimePoint until);
     void report(Exchange& exchange, Fault fault);
+    Fault connectFault(int error);
 
     const Target& target_;
     const CarrierLimits limits_;
     ExchangeListener& listener_;
     int epoll_ = -1;
     int timer_ = -1;
+    bool ready_ = false;
+    Shortage shortage_;
     std::vector<std::unique_ptr<Slot>> slots_;
     std::vector<Slot*> idle_;
     std::vector<Slot*> closed_;

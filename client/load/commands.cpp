@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 #include <utility>
@@ -155,9 +157,11 @@ public:
         shown_ = series.size();
         const Second last = series.between(shown_ - 1, shown_);
         const Histogram latency = last.latency();
+        const bool any = latency.count() > 0;
         console_.err << "\r\033[K" << shown_ << " s  " << last.good << "/s good, p50 "
-                     << timeText(latency.valueAt(50)) << ", max " << timeText(latency.max()) << ", "
-                     << last.refused << " refused, " << last.failed << " failed" << std::flush;
+                     << (any ? timeText(latency.valueAt(50)) : "n/a") << ", max "
+                     << (any ? timeText(latency.max()) : "n/a") << ", " << last.refused
+                     << " refused, " << last.failed << " failed" << std::flush;
     }
     void clear() {
         if (wanted_ && shown_ > 0) console_.err << "\r\033[K" << std::flush;
@@ -256,7 +260,9 @@ LoadExit stub(const LoadOptions& options, Console& console, Interrupt& interrupt
                              .stallAt = std::chrono::duration<double>(options.stallAt),
                              .stallFor = std::chrono::duration<double>(options.stallFor)});
     if (server.port() == 0) {
-        console.err << "rivage-load: port " << options.port << " cannot be used\n";
+        console.err << "rivage-load: "
+                    << (options.port == 0 ? "no port" : "port " + std::to_string(options.port))
+                    << " can be used: " << std::strerror(errno) << "\n";
         return LoadExit::usage;
     }
     console.out << "listening on " << server.url() << std::endl;

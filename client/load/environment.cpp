@@ -1,10 +1,14 @@
 #include "client/load/environment.h"
 
+#include <sys/eventfd.h>
 #include <sys/resource.h>
 #include <sys/utsname.h>
 #include <unistd.h>
 
+#include <array>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <ctime>
 #include <fstream>
 #include <string_view>
@@ -77,13 +81,25 @@ Outcome<proto::Json> serverVersion(const ServerAccess& server, Interrupt& interr
     return readAnswer(answer->body);
 }
 
-void prepareProcess(int nice) {
+void prepareProcess(int nice) { setpriority(PRIO_PROCESS, 0, nice); }
+
+Outcome<void> prepareFiles() {
     rlimit files{};
     if (getrlimit(RLIMIT_NOFILE, &files) == 0) {
         files.rlim_cur = files.rlim_max;
         setrlimit(RLIMIT_NOFILE, &files);
     }
-    setpriority(PRIO_PROCESS, 0, nice);
+    std::array<int, kFewestFiles> taken{};
+    for (int& fd : taken) fd = eventfd(0, EFD_CLOEXEC);
+    const int error = errno;
+    const bool enough = taken.back() >= 0;
+    for (const int fd : taken)
+        if (fd >= 0) close(fd);
+    if (enough) return {};
+    return fail(ExitCode::failed, "Too few files can be opened: " + std::string(strerror(error)),
+                "a process may have " + std::to_string(files.rlim_max) +
+                    " open here, and even a small run needs " + std::to_string(kFewestFiles) +
+                    " more than it was started with; raise the limit with ulimit -Hn");
 }
 
 }  // namespace rivage::client::load

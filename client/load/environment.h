@@ -17,9 +17,16 @@ namespace rivage::client::load {
 /// @errors unreachable
 Outcome<proto::Json> serverVersion(const ServerAccess& server, Interrupt& interrupt);
 
-/// Lets as many files be open as the system allows, and takes a priority above that of the server,
-/// so that what measures does not wait for what it measures. Both as far as the user may.
+/// Takes a priority above that of the server, so that what measures does not wait for what it
+/// measures, as far as the user may.
 /// @param nice  -20..19
 void prepareProcess(int nice);
+
+/// A run of one thread and a few connections needs so many files.
+inline constexpr int kFewestFiles = 16;
+
+/// Lets as many files be open as the user may have.
+/// @errors failed if not even `kFewestFiles` more can be opened
+Outcome<void> prepareFiles();
 
 }  // namespace rivage::client::load

@@ -96,6 +96,7 @@ void Generator::prepare() {
 }
 
 void Generator::run(const std::atomic<bool>& stop) {
+    if (!carrier_.ready()) return;
     prepare();
     while (step(stop.load(std::memory_order_relaxed))) {
     }
@@ -105,7 +106,8 @@ void Generator::run(const std::atomic<bool>& stop) {
 }
 
 bool Generator::step(bool stopped) {
-    stopped_ = stopped_ || stopped;
+    // What comes after a shortage says nothing about the server, and may take long.
+    stopped_ = stopped_ || stopped || carrier_.shortage().count > 0;
     TimePoint now = Clock::now();
     readClocks(now);
     rollSecond(now);

@@ -39,7 +39,8 @@ public:
               Verifier& verifier);
     ~Generator() override;
 
-    /// Sends until the plan is done, or until `stop`, and then waits for what is under way.
+    /// Sends until the plan is done, or until `stop`, and then waits for what is under way. Sends
+    /// nothing if there are no descriptors for what it needs itself.
     void run(const std::atomic<bool>& stop);
 
     /// After `run`.
@@ -47,6 +48,8 @@ public:
     /// The share of the measured time that this thread used a processor, without what it waited
     /// for the exact moment of a send; 0..1.
     [[nodiscard]] double busy() const { return busy_; }
+    /// What this machine had too little of, in the warm-up too.
+    [[nodiscard]] const Shortage& shortage() const { return carrier_.shortage(); }
     [[nodiscard]] std::uint64_t connections() const { return carrier_.opened(); }
     [[nodiscard]] std::uint64_t bytesIn() const { return carrier_.bytesIn(); }
     [[nodiscard]] std::uint64_t bytesOut() const { return carrier_.bytesOut(); }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "client/load/command_line.h"
+#include "client/load/environment.h"
 
 namespace {
 
@@ -20,6 +21,11 @@ int run(int argc, char** argv) {
     const auto options =
         load::parseLoadCommandLine(std::vector<std::string>(argv + 1, argv + argc), console);
     if (!options) return static_cast<int>(options.error());
+    // Before anything is opened that would wait for ever if it could not be.
+    if (const auto files = load::prepareFiles(); !files) {
+        console.err << "rivage-load: " << describe(files.error()) << "\n" << std::flush;
+        return static_cast<int>(load::LoadExit::late);
+    }
     Interrupt interrupt;
     const SignalWatcher watcher(interrupt);
     return static_cast<int>(load::runLoadCommand(*options, console, interrupt));

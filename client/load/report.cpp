@@ -84,7 +84,8 @@ std::string goodputLine(const LoadReport& report) {
     if (report.plan.sloLimit < Histogram::kHighest)
         line += ", within " + timeText(report.plan.sloLimit);
     line += "; " + std::to_string(result.verified) + " answers verified";
-    line += "\nerrors   " + numberText(100 * tally.errorRate(), 2) + " %";
+    line += "\nerrors   " +
+            (tally.judged() == 0 ? "n/a" : numberText(100 * tally.errorRate(), 2) + " %");
     const std::string list = errorList(tally);
     if (!list.empty()) line += ": " + list;
     for (const auto& [name, count] :
@@ -100,10 +101,12 @@ std::string goodputLine(const LoadReport& report) {
 
 std::string healthLine(const LoadResult& result) {
     const GeneratorHealth& health = result.health;
-    return "generator  send lag p99 " + timeText(result.tally[Measure::lag].valueAt(99)) +
-           ", late " + numberText(100 * health.lateShare, 2) + " %, CPU " +
-           numberText(100 * health.cpu, 0) + " %, not sent " + std::to_string(health.notSent) +
-           (health.valid ? "" : "\nINVALID: " + health.reason) + "\n";
+    const Histogram& lag = result.tally[Measure::lag];
+    const std::string late = lag.count() == 0 ? "n/a" : timeText(lag.valueAt(99));
+    return "generator  send lag p99 " + late + ", late " + numberText(100 * health.lateShare, 2) +
+           " %, CPU " + numberText(100 * health.cpu, 0) + " %, not sent " +
+           std::to_string(health.notSent) + (health.valid ? "" : "\nINVALID: " + health.reason) +
+           "\n";
 }
 
 std::string wordsBelow(const LoadReport& report) {
@@ -176,8 +179,10 @@ std::string reportMarkdown(const LoadReport& report) {
     text += markdownTable(rows) + "\n";
     rows = {{"environment", ""}};
     for (const auto& [name, value] : report.environment.items())
-        rows.push_back({name, value.is_string() ? value.get<std::string>() : value.dump()});
-    rows.push_back({"server", report.server.is_null() ? "unknown" : report.server.dump()});
+        rows.push_back(
+            {name, value.is_string() ? value.get<std::string>() : proto::writeJson(value)});
+    rows.push_back(
+        {"server", report.server.is_null() ? "unknown" : proto::writeJson(report.server)});
     rows.push_back({"seed", std::to_string(report.plan.seed)});
     return text + markdownTable(rows);
 }

@@ -15,7 +15,7 @@ Json summary(const Histogram& histogram) {
     for (const double percent : toldPercentiles())
         json[percentileName(percent)] = optionalTime(histogram.percentile(percent));
     json["max"] = histogram.count() == 0 ? Json() : Json(histogram.max());
-    json["mean"] = histogram.mean();
+    json["mean"] = histogram.count() == 0 ? Json() : Json(histogram.mean());
     return json;
 }
 
@@ -101,7 +101,7 @@ Json reportJson(const LoadReport& report) {
             {"measured_s", result.duration},
             {"offered_per_s", result.offered()},
             {"goodput_per_s", result.goodput()},
-            {"error_rate", result.tally.errorRate()},
+            {"error_rate", result.tally.judged() == 0 ? Json() : Json(result.tally.errorRate())},
             {"requests", countsJson(result)},
             {"errors", result.tally.errors},
             {"statuses", std::move(statuses)},
@@ -113,6 +113,7 @@ Json reportJson(const LoadReport& report) {
               {"reason", health.reason},
               {"late_share", health.lateShare},
               {"cpu", health.cpu},
+              {"load_average", health.loadAverage},
               {"not_sent", health.notSent}}},
             {"exit_code", static_cast<int>(exitOf(result, report.judgements))},
             {"server_metrics", std::move(metrics)},

@@ -16,6 +16,8 @@ struct GeneratorHealth {
     double lateShare = 0;  ///< of the sends
     double cpu = 0;        ///< of the busiest thread, 0..1
     std::uint64_t notSent = 0;
+    double loadAverage = 0;  ///< of the last minute, at the end; 0: not known
+    Shortage shortage;       ///< of files, ports, memory
     bool valid = true;
     std::string reason;  ///< why not
 };
@@ -46,7 +48,9 @@ using LoadObserver = std::function<bool(const Series& series)>;
 LoadResult runLoad(const LoadPlan& plan, Interrupt& interrupt, const LoadObserver& observe = {},
                    const std::optional<ServerAccess>& admin = {});
 
-/// Whether a generator was late, by the rule of 1 %.
-[[nodiscard]] GeneratorHealth judgeHealth(const LoadPlan& plan, const Tally& tally, double cpu);
+/// Whether the generator had all that it needed, and was not late by the rule of 1 %.
+/// @param seen  its processor, load and shortage
+[[nodiscard]] GeneratorHealth judgeHealth(const LoadPlan& plan, const Tally& tally,
+                                          const GeneratorHealth& seen);
 
 }  // namespace rivage::client::load

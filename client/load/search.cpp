@@ -59,6 +59,7 @@ void judgeWindows(const SearchPlan& plan, const std::vector<Second>& windows, st
     point.latency = sum.latency();
     point.errorRate = errorRate(sum);
     const double seconds = plan.window * static_cast<double>(count);
+    point.answers = seconds > 0 ? static_cast<double>(sum.good) / seconds : 0;
     point.goodput = seconds > 0 ? static_cast<double>(sum.withinSlo) / seconds : 0;
     point.kept = count > 0 && keeps(plan, sum);
 }
@@ -83,15 +84,21 @@ RatePoint measureRate(const SearchPlan& plan, double rate, Interrupt& interrupt,
     return point;
 }
 
+/// What the judgement went by, however few the samples; nothing if there are none.
+std::optional<std::int64_t> measuredAt(const Histogram& histogram, double percent) {
+    return histogram.count() == 0 ? std::nullopt : std::optional(histogram.valueAt(percent));
+}
+
 std::string describePoint(const SearchPlan& plan, const RatePoint& point) {
     const std::string name = percentileName(plan.slo.percent);
-    std::string text = numberText(point.rate, 2) + "/s: goodput " + numberText(point.goodput, 2) +
-                       "/s, p50 " + timeText(point.latency.valueAt(50)) + ", " + name + " " +
-                       timeText(point.latency.valueAt(plan.slo.percent)) + ", errors " +
+    const auto told = [&](double percent) { return timeText(measuredAt(point.latency, percent)); };
+    std::string text = numberText(point.rate, 2) + "/s: answers " + numberText(point.answers, 2) +
+                       "/s, in time " + numberText(point.goodput, 2) + "/s, p50 " + told(50) +
+                       ", " + name + " " + told(plan.slo.percent) + ", errors " +
                        numberText(100 * point.errorRate, 2) + " %, " +
                        std::to_string(point.windows) + " windows" +
                        (point.stable ? "" : ", not stable") + (point.kept ? "" : ": too much");
-    if (!point.result.health.valid) text += " (generator late)";
+    if (!point.result.health.valid) text += "\n  not valid: " + point.result.health.reason;
     return text;
 }
 
@@ -106,19 +113,30 @@ double probeCapacity(const SearchPlan& plan, Interrupt& interrupt) {
 /// The offered rates of the curve that the load in a report of the curve can have.
 std::vector<std::string> curveRow(double factor, const SearchPlan& plan, const RatePoint& point) {
     const Histogram& refused = point.result.tally[Measure::refused];
+    const Histogram& lag = point.result.tally[Measure::lag];
     const double refusals = point.result.duration <= 0
                                 ? 0
                                 : static_cast<double>(refused.count()) / point.result.duration;
     return {numberText(factor, 2) + "x",
             numberText(point.rate, 2),
+            numberText(point.answers, 2),
             numberText(point.goodput, 2),
             timeText(point.latency.percentile(50)),
             timeText(point.latency.percentile(plan.slo.percent)),
             std::to_string(point.latency.count()),
             numberText(refusals, 2),
             timeText(refused.percentile(99)),
-            point.result.health.valid ? timeText(point.result.tally[Measure::lag].valueAt(99))
-                                      : "late"};
+            !point.result.health.valid ? "not valid" : timeText(measuredAt(lag, 99))};
+}
+
+proto::Json timeJson(std::optional<std::int64_t> time) {
+    return time ? proto::Json(*time) : proto::Json();
+}
+
+/// A result is as good as the generator was at one rate.
+void judgeBy(const RatePoint& point, SearchResult& result) {
+    result.valid = point.result.health.valid;
+    result.reason = point.result.health.reason;
 }
 
 }  // namespace
@@ -141,7 +159,7 @@ SearchResult findKnee(const SearchPlan& plan, const MeasureRate& measure,
         result.steps.push_back(measure(rate));
         if (!result.steps.back().kept) return false;
         result.knee = std::max(result.knee, rate);
-        result.valid = result.steps.back().result.health.valid;
+        judgeBy(result.steps.back(), result);
         return true;
     };
     double low = 0;
@@ -162,6 +180,10 @@ SearchResult findKnee(const SearchPlan& plan, const MeasureRate& measure,
         const double middle = (low + high) / 2;
         (tryRate(middle) ? low : high) = middle;
     }
+    if (result.knee <= 0 && !result.steps.empty()) judgeBy(result.steps.back(), result);
+    // What kept a rate from being kept was perhaps not the server.
+    for (const RatePoint& step : result.steps)
+        if (step.result.health.shortage.count > 0) judgeBy(step, result);
     return result;
 }
 
@@ -192,22 +214,19 @@ SearchResult runSearch(const SearchPlan& plan, Interrupt& interrupt,
 LoadExit exitOf(const SearchResult& result) {
     if (result.interrupted) return LoadExit::cancelled;
     if (result.capacity <= 0) return LoadExit::unreachable;
-    if (result.knee <= 0) return LoadExit::missed;
-    return result.valid ? LoadExit::ok : LoadExit::late;
+    if (!result.valid) return LoadExit::late;
+    return result.knee > 0 ? LoadExit::ok : LoadExit::missed;
 }
 
 std::string curveMarkdown(const SearchPlan& plan, const SearchResult& result) {
     const std::string name = percentileName(plan.slo.percent);
-    const char* const doubt = result.knee > 0 && !result.valid
-                                  ? "not valid: the generator was late, as on a busy machine. "
-                                  : "";
-    std::string text = doubt;
+    std::string text = result.valid ? "" : "not valid: " + result.reason + "\n\n";
     text += "knee: " + numberText(result.knee, 2) + "/s with " + name +
             " <= " + timeText(plan.slo.limit) +
             " and errors <= " + numberText(100 * plan.maxErrors, 3) + " %\n\n";
-    text += "| load | offered/s | goodput/s | p50 | " + name +
+    text += "| load | offered/s | answers/s | in time/s | p50 | " + name +
             " corrected | samples | refusals/s | p99 of refusals | send lag p99 |\n"
-            "|---|---|---|---|---|---|---|---|---|\n";
+            "|---|---|---|---|---|---|---|---|---|---|\n";
     for (std::size_t i = 0; i < result.curve.size(); ++i) {
         text += "|";
         for (const std::string& cell : curveRow(plan.curve[i], plan, result.curve[i]))
@@ -221,18 +240,20 @@ proto::Json searchJson(const SearchPlan& plan, const SearchResult& result) {
     const auto points = [&](const std::vector<RatePoint>& list) {
         proto::Json json = proto::Json::array();
         for (const RatePoint& point : list)
-            json.push_back({{"rate", point.rate},
-                            {"kept", point.kept},
-                            {"stable", point.stable},
-                            {"windows", point.windows},
-                            {"goodput_per_s", point.goodput},
-                            {"error_rate", point.errorRate},
-                            {"p50_us", point.latency.valueAt(50)},
-                            {"slo_percentile_us", point.latency.valueAt(plan.slo.percent)},
-                            {"errors", point.result.tally.errors},
-                            {"generator_valid", point.result.health.valid},
-                            {"latency", point.latency.toJson()},
-                            {"refused", point.result.tally[Measure::refused].toJson()}});
+            json.push_back(
+                {{"rate", point.rate},
+                 {"kept", point.kept},
+                 {"stable", point.stable},
+                 {"windows", point.windows},
+                 {"answers_per_s", point.answers},
+                 {"goodput_per_s", point.goodput},
+                 {"error_rate", point.errorRate},
+                 {"p50_us", timeJson(measuredAt(point.latency, 50))},
+                 {"slo_percentile_us", timeJson(measuredAt(point.latency, plan.slo.percent))},
+                 {"errors", point.result.tally.errors},
+                 {"generator_valid", point.result.health.valid},
+                 {"latency", point.latency.toJson()},
+                 {"refused", point.result.tally[Measure::refused].toJson()}});
         return json;
     };
     return {{"slo", {{"percentile", plan.slo.percent}, {"limit_us", plan.slo.limit}}},
@@ -240,6 +261,8 @@ proto::Json searchJson(const SearchPlan& plan, const SearchResult& result) {
             {"window_s", plan.window},
             {"closed_loop_per_s", result.capacity},
             {"knee_per_s", result.knee},
+            {"valid", result.valid},
+            {"reason", result.reason},
             {"exit_code", static_cast<int>(exitOf(result))},
             {"steps", points(result.steps)},
             {"curve", points(result.curve)}};

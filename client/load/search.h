@@ -28,9 +28,10 @@ struct RatePoint {
     bool stable = false;  ///< three windows in a row agree within 10 %
     bool kept = false;    ///< the limit of the latency and that of the errors
     int windows = 0;
-    LoadResult result;  ///< of the whole time at this rate
-    Histogram latency;  ///< of the windows that count
-    double goodput = 0;
+    LoadResult result;   ///< of the whole time at this rate
+    Histogram latency;   ///< of the windows that count
+    double answers = 0;  ///< good ones a second, however late
+    double goodput = 0;  ///< those of them within the limit
     double errorRate = 0;
 };
 
@@ -39,7 +40,8 @@ struct SearchResult {
     double knee = 0;      ///< 0: not even the lowest rate was kept
     std::vector<RatePoint> steps;
     std::vector<RatePoint> curve;
-    bool valid = true;  ///< the generator kept up at the knee
+    bool valid = true;   ///< the generator kept up at the knee, or at the lowest rate
+    std::string reason;  ///< why not
     bool interrupted = false;
 };
 

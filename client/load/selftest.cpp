@@ -19,13 +19,19 @@ constexpr std::int64_t kStall = 1'000'000;  // us
 struct Bench {
     const SelftestPlan& plan;
     Interrupt& interrupt;
+    std::string& trouble;  ///< what kept the last run from being one
 
     [[nodiscard]] LoadResult run(const StubServer& stub, const ArrivalPlan& arrivals,
                                  double seconds) const {
         auto load = plainLoad(stub.url(), arrivals, seconds);
-        if (!load) return {};
+        if (!load) {
+            trouble = describe(load.error());
+            return {};
+        }
         load->pins = plan.pins;
-        return runLoad(*load, interrupt);
+        LoadResult result = runLoad(*load, interrupt);
+        if (result.health.shortage.count > 0) trouble = result.health.reason;
+        return result;
     }
 };
 
@@ -35,6 +41,7 @@ StubSettings stalling() {
 }
 
 std::string percentiles(const Histogram& histogram) {
+    if (histogram.count() == 0) return "n/a";
     return "p50 " + timeText(histogram.valueAt(50)) + ", p99 " + timeText(histogram.valueAt(99)) +
            ", max " + timeText(histogram.max());
 }
@@ -176,7 +183,8 @@ Outcome<LoadPlan> plainLoad(const std::string& url, const ArrivalPlan& arrivals,
 
 std::vector<SelftestCheck> runSelftest(const SelftestPlan& plan, Interrupt& interrupt,
                                        const std::function<void(const SelftestCheck&)>& say) {
-    const Bench bench{plan, interrupt};
+    std::string trouble;
+    const Bench bench{plan, interrupt, trouble};
     std::vector<std::function<SelftestCheck()>> checks{
         [&] { return checkHistogram(); }, [&] { return checkOpenStall(bench); },
         [&] { return checkClosedStall(bench); }, [&] { return checkPrecision(bench); },
@@ -185,7 +193,9 @@ std::vector<SelftestCheck> runSelftest(const SelftestPlan& plan, Interrupt& inte
     std::vector<SelftestCheck> done;
     for (const auto& check : checks) {
         if (interrupt.requested()) break;
+        trouble.clear();
         done.push_back(check());
+        if (!trouble.empty()) done.back().figures += "; " + trouble;
         say(done.back());
     }
     return done;

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <string_view>
 
 namespace rivage::client::load {
@@ -15,6 +16,7 @@ namespace {
 
 constexpr int kBacklog = 4096;
 constexpr std::size_t kMaxHead = 64 << 10;
+constexpr std::chrono::milliseconds kFullPause{10};
 
 void watch(int epoll, int fd) {
     epoll_event event{};
@@ -48,6 +50,8 @@ StubServer::StubServer(const StubSettings& settings)
       epoll_(epoll_create1(EPOLL_CLOEXEC)),
       end_(eventfd(0, EFD_CLOEXEC)),
       port_(listenOn(listener_, settings.port)) {
+    if (epoll_ < 0 || end_ < 0) port_ = 0;
+    if (port_ == 0) return;
     watch(epoll_, listener_);
     watch(epoll_, end_);
     thread_ = std::thread([this] { serve(); });
@@ -55,11 +59,10 @@ StubServer::StubServer(const StubSettings& settings)
 
 StubServer::~StubServer() {
     const std::uint64_t one = 1;
-    if (write(end_, &one, sizeof one) > 0) thread_.join();
+    if (thread_.joinable() && write(end_, &one, sizeof one) > 0) thread_.join();
     for (const auto& [client, head] : pending_) close(client);
-    close(listener_);
-    close(epoll_);
-    close(end_);
+    for (const int fd : {listener_, epoll_, end_})
+        if (fd >= 0) close(fd);
 }
 
 void StubServer::serve() {
@@ -82,7 +85,11 @@ void StubServer::serve() {
 void StubServer::admit() {
     for (;;) {
         const int client = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
-        if (client < 0) return;
+        if (client < 0) {
+            // The client stays in line, and the loop would ask for it again at once.
+            if (errno == EMFILE || errno == ENFILE) std::this_thread::sleep_for(kFullPause);
+            return;
+        }
         const int yes = 1;
         setsockopt(client, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
         pending_.try_emplace(client);

@@ -11,8 +11,9 @@ std::optional<double> actualOf(const std::string& metric, const LoadResult& resu
     const Tally& tally = result.tally;
     const Histogram& latency = tally[Measure::corrected];
     if (metric == "goodput") return result.goodput();
+    const auto judged = static_cast<double>(tally.judged());
+    if (metric != "max" && !readPercentile(metric) && judged == 0) return std::nullopt;
     if (metric == "errors") return tally.errorRate();
-    const auto judged = static_cast<double>(std::max<std::uint64_t>(1, tally.judged()));
     if (metric == "refused") return static_cast<double>(tally.refused) / judged;
     if (metric == "not_sent") return static_cast<double>(tally.notSent()) / judged;
     if (latency.count() == 0) return std::nullopt;

@@ -31,6 +31,7 @@ IoResult Wire::connect(const Target& target) {
     if (!target.endpoint.isUnix()) setsockopt(fd_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     if (target.tls) {
         tls_.reset(SSL_new(target.tls.get()));
+        if (!tls_) return {Io::failed, 0, ENOMEM};
         SSL_set_fd(tls_.get(), fd_);
         SSL_set_connect_state(tls_.get());
         const std::string& host = target.endpoint.host;

@@ -7,6 +7,7 @@
 
 #include "client/load/stub_server.h"
 #include "client/load/taxonomy.h"
+#include "few_files.h"
 #include "scripted_server.h"
 
 namespace rivage::client::load {
@@ -103,6 +104,41 @@ TEST_SUITE("client/load") {
         });
         CHECK(classAt(silent.url(), {.timeout = 100ms}) == "timeout");
         over = true;
+    }
+
+    TEST_CASE("carrier: a connection without a file is not sent, and a shortage") {
+        const StubServer stub({});
+        const Target target = targetOf(stub.url());
+        Listener listener;
+        Carrier carrier(target, {}, listener);
+        Exchange exchange;
+        {
+            const FewFiles none(0);
+            carry(carrier, listener, exchange);
+        }
+        CHECK(exchange.fault == Fault::notSent);
+        CHECK(carrier.shortage().count == 1);
+        CHECK(carrier.shortage().error == EMFILE);
+        carry(carrier, listener, exchange);
+        CHECK(exchange.fault == Fault::none);
+    }
+
+    TEST_CASE(
+        "carrier: without a file for what it needs itself it is not ready, and ends at once") {
+        const StubServer stub({});
+        const Target target = targetOf(stub.url());
+        for (const int left : {0, 1}) {
+            const FewFiles few(left);
+            Listener listener;
+            Carrier carrier(target, {}, listener);
+            CHECK_FALSE(carrier.ready());
+            CHECK(carrier.shortage().error == EMFILE);
+            Exchange exchange;
+            exchange.head = kRequest;
+            carrier.begin(exchange);
+            CHECK(listener.ends == 1);
+            CHECK(exchange.fault == Fault::notSent);
+        }
     }
 
     TEST_CASE("carrier: keeps connections, and opens a new one for each if told to") {

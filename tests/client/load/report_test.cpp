@@ -120,6 +120,32 @@ kept     p99 = 6.98 ms, at most 100 ms
         CHECK(result.goodput() == doctest::Approx(150));
     }
 
+    TEST_CASE("report: a run without answers has no times, in no form") {
+        const LoadPlan load = plan();
+        LoadResult result;
+        result.tally.entries.resize(1);
+        const LoadReport report{load, result,
+                                judge({{"errors", 1}, {"p50", 1e9}, {"refused", 1}}, {}, result)};
+        for (const std::string& text : {reportTable(report), reportMarkdown(report)}) {
+            CAPTURE(text);
+            CHECK(text.find("errors   n/a\n") != std::string::npos);
+            CHECK(text.find("send lag p99 n/a") != std::string::npos);
+            CHECK(text.find(" us") == std::string::npos);
+            CHECK(text.find("kept") == std::string::npos);
+        }
+        const proto::Json json = reportJson(report);
+        CHECK(json["error_rate"].is_null());
+        CHECK(json["entries"][0]["corrected"]["mean"].is_null());
+    }
+
+    TEST_CASE("report: bytes that are not UTF-8 do not end the program") {
+        const LoadPlan load = plan();
+        const LoadResult result = figures();
+        const proto::Json odd{{"a", {"\xff"}}};
+        CHECK(reportMarkdown({load, result, {}, odd, odd}).find("\xef\xbf\xbd") !=
+              std::string::npos);
+    }
+
     TEST_CASE("plot: both lines, and no file of nonsense without samples") {
         const std::string svg = drawLatency(figures());
         CHECK(svg.starts_with("<svg "));

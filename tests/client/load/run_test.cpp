@@ -7,9 +7,12 @@
 #include <set>
 
 #include "../fake_server.h"
+#include "client/load/environment.h"
 #include "client/load/search.h"
 #include "client/load/selftest.h"
 #include "client/load/stub_server.h"
+#include "few_files.h"
+#include "scripted_server.h"
 
 namespace rivage::client::load {
 namespace {
@@ -288,15 +291,48 @@ TEST_SUITE("client/load") {
         Tally tally;
         tally.sent = 1000;
         tally.late = 10;
-        CHECK(judgeHealth(plan, tally, 0.5).valid);
+        CHECK(judgeHealth(plan, tally, {.cpu = 0.5}).valid);
         tally.late = 11;
-        const GeneratorHealth late = judgeHealth(plan, tally, 0.5);
+        const GeneratorHealth late = judgeHealth(plan, tally, {.cpu = 0.5, .loadAverage = 12.34});
         CHECK_FALSE(late.valid);
+        CHECK(late.reason.find("1.1 % of the sends were late; the load average was 12.3 on ") == 0);
         LoadResult result;
         result.health = late;
         CHECK(exitOf(result, {}) == LoadExit::late);
         plan.arrivals = closed(1);
-        CHECK(judgeHealth(plan, tally, 0.5).valid);  // it has no times to keep
+        CHECK(judgeHealth(plan, tally, {}).valid);  // it has no times to keep
+    }
+
+    TEST_CASE("health: a run without files ends at once, with code 3 and a way out") {
+        // The server takes as many files as the generator: only these two are between them.
+        const ScriptedServer server([](const ScriptedConnection& client) {
+            while (!client.readHead().empty())
+                client.write("HTTP/1.1 200 OK\r\nContent-Length: 0\r\n\r\n");
+        });
+        for (const ArrivalPlan& arrivals :
+             {closed(50), ArrivalPlan{.kind = Arrivals::constant, .rate = 500}}) {
+            for (const int left : {1, 12}) {
+                CAPTURE(left);
+                LoadPlan plan = planFor(server.url(), plainMix("/"), arrivals);
+                plan.duration = std::chrono::duration<double>(10);
+                plan.limits.keepAlive = true;
+                const FewFiles few(left);
+                const TimePoint begin = Clock::now();
+                const LoadResult result = runPlan(plan);
+                CHECK(Clock::now() - begin < std::chrono::seconds(5));
+                CHECK(exitOf(result, {}) == LoadExit::late);
+                CHECK(result.health.reason.find("256 open here (RLIMIT_NOFILE)") !=
+                      std::string::npos);
+                CHECK(result.health.reason.find("ulimit") != std::string::npos);
+            }
+        }
+    }
+
+    TEST_CASE("health: as many files may be open as the user may have") {
+        CHECK(prepareFiles());
+        rlimit before{};
+        getrlimit(RLIMIT_NOFILE, &before);
+        CHECK(before.rlim_cur == before.rlim_max);
     }
 
     TEST_CASE("metrics: sums of what the server says of itself") {

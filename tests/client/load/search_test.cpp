@@ -60,6 +60,42 @@ TEST_SUITE("client/load") {
         CHECK(curveMarkdown({.load = load}, result).starts_with("not valid"));
     }
 
+    TEST_CASE("search: a shortage of the generator's makes no knee") {
+        const LoadPlan load{Target(), PreparedMix{{}, {}, HeadWriter("x", "")}, ArrivalPlan()};
+        for (const double few : {0.0, 20.0}) {  // kept up to that rate, and then out of files
+            CAPTURE(few);
+            const SearchResult result = findKnee(
+                {.load = load, .from = 5},
+                [&](double rate) {
+                    RatePoint point{.rate = rate, .kept = rate <= few};
+                    if (point.kept) return point;
+                    point.result.health = {.shortage = {24, 1}, .valid = false, .reason = "files"};
+                    return point;
+                },
+                [] { return false; });
+            SearchResult judged = result;
+            judged.capacity = 100;
+            CHECK(exitOf(judged) == LoadExit::late);
+            CHECK(curveMarkdown({.load = load}, judged).starts_with("not valid: files\n"));
+        }
+    }
+
+    TEST_CASE("report: a rate without answers has no times, in no form") {
+        const LoadPlan load{Target(), PreparedMix{{}, {}, HeadWriter("x", "")}, ArrivalPlan()};
+        SearchResult result{.steps = {{.rate = 5}}, .curve = {{.rate = 10}}};
+        const SearchPlan plan{.load = load, .curve = {1}};
+        const proto::Json json = searchJson(plan, result);
+        for (const char* list : {"steps", "curve"}) {
+            CHECK(json[list][0]["p50_us"].is_null());
+            CHECK(json[list][0]["slo_percentile_us"].is_null());
+        }
+        CHECK(curveMarkdown(plan, result)
+                  .find("| 1x | 10 | 0 | 0 | n/a | n/a | 0 | 0 | n/a | n/a |") !=
+              std::string::npos);
+        result.curve[0].latency.record(7);
+        CHECK(searchJson(plan, result)["curve"][0]["p50_us"] == 7);
+    }
+
     TEST_CASE("search: three windows agree if the goodput and the median are within 10 %") {
         CHECK_FALSE(windowsAgree(windows({{100, 50}, {100, 50}})));
         CHECK(windowsAgree(windows({{100, 500}, {105, 510}, {95, 490}})));
