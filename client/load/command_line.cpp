@@ -1,6 +1,7 @@
 #include "client/load/command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <map>
 
 #include "client/load/manual.h"
@@ -10,6 +11,17 @@ namespace {
 
 /// Longer runs are for who owns the server.
 constexpr double kMaxSeconds = 3600;
+
+/// A number in a range. CLI::Range lets NaN through, which is neither below nor above anything.
+CLI::Validator within(double least, double most) {
+    const CLI::Range range(least, most);
+    return {[range](std::string& text) {
+                double value = 0;
+                const bool number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+                return number ? range(text) : text + " is no number";
+            },
+            range.get_description()};
+}
 
 void addServer(CLI::App& command, LoadOptions& options) {
     command.add_option("--server", options.server, "http[s]://HOST:PORT or unix:/PATH")
@@ -41,10 +53,10 @@ void addWork(CLI::App& command, LoadOptions& options) {
         ->excludes(mix);
     command.add_option("--verify", options.verify, "Share of the answers that is looked at")
         ->capture_default_str()
-        ->check(CLI::Range(0.0, 1.0));
+        ->check(within(0.0, 1.0));
     command.add_option("--warmup", options.warmup, "Seconds that are sent, but not counted")
         ->capture_default_str()
-        ->check(CLI::Range(0.0, kMaxSeconds));
+        ->check(within(0.0, kMaxSeconds));
     command.add_option("--out", options.out, "Write the report in all its forms to this folder")
         ->type_name("FOLDER");
     command.add_flag("--json", options.json, "Print JSON instead of the table");
@@ -64,7 +76,7 @@ void addGenerator(CLI::App& command, LoadOptions& options) {
         ->check(CLI::Range(1, 100000));
     command.add_option("--timeout", options.timeout, "Seconds for an answer")
         ->capture_default_str()
-        ->check(CLI::Range(0.001, kMaxSeconds));
+        ->check(within(0.001, kMaxSeconds));
     command.add_flag("--no-keep-alive", options.noKeepAlive, "A new connection for each request");
     command.add_option("--seed", options.seed, "Of everything that is drawn")
         ->capture_default_str();
@@ -72,7 +84,8 @@ void addGenerator(CLI::App& command, LoadOptions& options) {
         ->capture_default_str()
         ->check(CLI::Range(-20, 19));
     command.add_option("--max-requests", options.maxRequests, "The run ends after so many")
-        ->capture_default_str();
+        ->capture_default_str()
+        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1'000'000'000}));
 }
 
 void addRun(CLI::App& app, LoadOptions& options) {
@@ -80,7 +93,7 @@ void addRun(CLI::App& app, LoadOptions& options) {
     addServer(*run, options);
     CLI::Option_group* loop = run->add_option_group("Load", "Exactly one of");
     loop->add_option("--rate", options.rate, "Open loop: requests a second")
-        ->check(CLI::Range(0.001, 1e6));
+        ->check(within(0.001, 1e6));
     loop->add_option("--concurrency", options.concurrency, "Closed loop: requests in flight")
         ->check(CLI::Range(1, 100000));
     loop->add_option("--replay", options.replay, "Open loop: a file of times (README)")
@@ -89,7 +102,7 @@ void addRun(CLI::App& app, LoadOptions& options) {
     run->add_flag("--poisson", options.poisson, "Random times at this --rate, not even ones");
     run->add_option("--duration", options.duration, "Seconds that are counted")
         ->capture_default_str()
-        ->check(CLI::Range(0.1, 1e6));
+        ->check(within(0.1, 1e6));
     run->add_option("--slo", options.slo, "What the latency has to keep, such as p99=500ms")
         ->type_name("pN=TIME");
     addWork(*run, options);
@@ -104,18 +117,18 @@ void addSearch(CLI::App& app, LoadOptions& options) {
         ->type_name("pN=TIME");
     search->add_option("--max-errors", options.maxErrors, "Share of errors, refusals included")
         ->capture_default_str()
-        ->check(CLI::Range(0.0, 1.0));
+        ->check(within(0.0, 1.0));
     search->add_option("--from", options.from, "First rate [a quarter of what a closed loop does]")
-        ->check(CLI::Range(0.001, 1e6));
+        ->check(within(0.001, 1e6));
     search->add_option("--precision", options.precision, "Of the knee, relative")
         ->capture_default_str()
-        ->check(CLI::Range(0.005, 1.0));
+        ->check(within(0.005, 1.0));
     search->add_option("--window", options.window, "Seconds; three of them have to agree")
         ->capture_default_str()
-        ->check(CLI::Range(1.0, 300.0));
+        ->check(within(1.0, 300.0));
     search->add_option("--curve", options.curve, "Measure these multiples of the knee at last")
         ->delimiter(',')
-        ->check(CLI::Range(0.01, 100.0));
+        ->check(within(0.01, 100.0));
     search->add_flag("--poisson", options.poisson, "Random times, not even ones");
     addWork(*search, options);
     addGenerator(*search, options);
@@ -128,7 +141,7 @@ void addOthers(CLI::App& app, LoadOptions& options) {
     selftest->add_flag("!--no-wrk", options.selftest.wrk, "Do not compare with wrk");
     selftest->add_option("--rate", options.selftest.rate, "Requests a second that are asked for")
         ->capture_default_str()
-        ->check(CLI::Range(1.0, 1e6));
+        ->check(within(1.0, 1e6));
     selftest->add_option("--pin", options.selftest.pins, "Processor of the generator")
         ->check(CLI::Range(0, 1023))
         ->type_name("CPU");
@@ -146,9 +159,9 @@ void addOthers(CLI::App& app, LoadOptions& options) {
     stub->add_option("--work", options.workMicroseconds, "Microseconds of work for each answer")
         ->check(CLI::Range(0, 1'000'000));
     stub->add_option("--stall-at", options.stallAt, "Stand still so many seconds after the start")
-        ->check(CLI::Range(0.0, kMaxSeconds));
+        ->check(within(0.0, kMaxSeconds));
     stub->add_option("--stall-for", options.stallFor, "Seconds of standing still")
-        ->check(CLI::Range(0.0, kMaxSeconds));
+        ->check(within(0.0, kMaxSeconds));
 }
 
 tl::unexpected<LoadExit> complain(Console& console, const std::string& text) {

@@ -1,12 +1,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <sstream>
 #include <utility>
 
 #include "client/load/command_line.h"
 #include "client/load/environment.h"
+#include "client/load/input_file.h"
 #include "client/load/output_folder.h"
 #include "client/load/plot.h"
 #include "client/load/report.h"
@@ -15,6 +14,10 @@
 
 namespace rivage::client::load {
 namespace {
+
+constexpr std::size_t kMostMix = std::size_t{16} << 20;
+/// Some millions of requests.
+constexpr std::size_t kMostTrace = std::size_t{64} << 20;
 
 /// Everything that is known before the first request.
 struct Setup {
@@ -31,12 +34,10 @@ LoadExit complain(Console& console, const Failure& failure) {
     return exitOf(failure);
 }
 
-Outcome<std::string> readText(const std::string& path) {
-    std::ifstream file(path);
-    std::ostringstream text;
-    if (file) text << file.rdbuf();
-    if (!file) return fail(ExitCode::usage, proto::inQuotes(path) + " cannot be read");
-    return text.str();
+/// @param most  bytes
+Outcome<std::string> readText(const char* what, const std::string& path, std::size_t most,
+                              const Interrupt& interrupt) {
+    return readInput(what, path, {.bytes = most}, interrupt);
 }
 
 Outcome<ServerAccess> accessOf(const LoadOptions& options, const std::string& url) {
@@ -55,7 +56,7 @@ Outcome<Target> targetOf(const LoadOptions& options, const Endpoint& endpoint) {
     return target;
 }
 
-Outcome<Mix> mixOf(const LoadOptions& options) {
+Outcome<Mix> mixOf(const LoadOptions& options, const Interrupt& interrupt) {
     if (!options.get.empty()) {
         const bool plain = std::all_of(options.get.begin(), options.get.end(),
                                        [](char c) { return c > 0x20 && c < 0x7f; });
@@ -65,18 +66,19 @@ Outcome<Mix> mixOf(const LoadOptions& options) {
                     "non-ASCII");
     }
     if (options.mix.empty()) return defaultMix();
-    const auto text = readText(options.mix);
+    const auto text = readText("mix", options.mix, kMostMix, interrupt);
     if (!text) return tl::unexpected(text.error());
     return parseMix(*text, options.mix);
 }
 
-Outcome<ArrivalPlan> arrivalsOf(const LoadOptions& options, const Mix& mix) {
+Outcome<ArrivalPlan> arrivalsOf(const LoadOptions& options, const Mix& mix,
+                                const Interrupt& interrupt) {
     ArrivalPlan plan{.rate = options.rate, .concurrency = options.concurrency};
     if (options.rate > 0) {
         plan.kind = options.poisson ? Arrivals::poisson : Arrivals::constant;
     } else if (!options.replay.empty()) {
         plan.kind = Arrivals::replay;
-        const auto text = readText(options.replay);
+        const auto text = readText("trace", options.replay, kMostTrace, interrupt);
         if (!text) return tl::unexpected(text.error());
         auto trace = parseTrace(*text, mix.names());
         if (!trace) return tl::unexpected(trace.error());
@@ -89,7 +91,7 @@ Outcome<std::optional<Slo>> sloOf(const LoadOptions& options, const Mix& mix) {
     if (options.slo.empty()) return mix.slo;
     const auto slo = readSlo(options.slo);
     if (slo) return slo;
-    return fail(ExitCode::usage, "--slo cannot be read", "expected a limit such as p99=500ms");
+    return fail(ExitCode::usage, "--slo cannot be read", kSloForm);
 }
 
 void fillPlan(LoadPlan& plan, const LoadOptions& options) {
@@ -118,9 +120,9 @@ Outcome<Setup> prepare(const LoadOptions& options, Interrupt& interrupt) {
     if (!server) return tl::unexpected(server.error());
     auto target = targetOf(options, server->endpoint);
     if (!target) return tl::unexpected(target.error());
-    const auto mix = mixOf(options);
+    const auto mix = mixOf(options, interrupt);
     if (!mix) return tl::unexpected(mix.error());
-    auto arrivals = arrivalsOf(options, *mix);
+    auto arrivals = arrivalsOf(options, *mix, interrupt);
     if (!arrivals) return tl::unexpected(arrivals.error());
     const auto slo = sloOf(options, *mix);
     if (!slo) return tl::unexpected(slo.error());

@@ -16,6 +16,9 @@ struct ServerTimes {
     bool known = false;
 };
 
+/// No conversion lasts longer: what says so, or is no number at all, is passed over.
+constexpr double kMostMilliseconds = Histogram::kHighest / 1000.0;
+
 ServerTimes readServerTiming(std::string_view field) {
     ServerTimes times;
     while (!field.empty()) {
@@ -27,14 +30,18 @@ ServerTimes readServerTiming(std::string_view field) {
         if (at == std::string_view::npos) continue;
         double value = 0;
         const std::string_view number = one.substr(at + 5);
-        std::from_chars(number.data(), number.data() + number.size(), value);
+        const auto read = std::from_chars(number.data(), number.data() + number.size(), value);
+        if (read.ec != std::errc() || !(value >= 0 && value <= kMostMilliseconds)) continue;
         (one.substr(0, at) == "queue" ? times.queue : times.compute) += value;
         times.known = true;
     }
     return times;
 }
 
-std::int64_t fromMilliseconds(double value) { return static_cast<std::int64_t>(value * 1000); }
+/// Microseconds of a sum of times that each are in bounds.
+std::int64_t fromMilliseconds(double value) {
+    return static_cast<std::int64_t>(std::min(value, kMostMilliseconds) * 1000);
+}
 
 /// Whether this is the path of a job: it is sent back, so nothing but a plain id may follow.
 bool isJob(std::string_view path) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include "client/interrupt.h"
 #include "client/transport.h"
@@ -30,7 +31,7 @@ MetricsSample parseMetrics(std::string_view text) {
         double value = 0;
         const auto [stop, error] =
             std::from_chars(number.data(), number.data() + number.size(), value);
-        if (error == std::errc()) sample[std::string(name)] += value;
+        if (error == std::errc() && std::isfinite(value)) sample[std::string(name)] += value;
     }
     return sample;
 }

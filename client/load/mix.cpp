@@ -29,10 +29,12 @@ public:
     }
     void number(const std::string& name, double& value, double least, double most) {
         member(name, [&](const Json& json, const std::string&) {
-            if (!json.is_number() || json.get<double>() < least || json.get<double>() > most)
+            // Written so that NaN is refused too.
+            const double read = json.is_number() ? json.get<double>() : least - 1;
+            if (!(read >= least && read <= most))
                 return refuse("/" + name, "expected a number from " + numberText(least, 6) +
                                               " to " + numberText(most, 6));
-            value = json.get<double>();
+            value = read;
         });
     }
     void text(const std::string& name, std::string& value) {
@@ -45,8 +47,10 @@ public:
     void time(const std::string& name, std::chrono::milliseconds& value) {
         member(name, [&](const Json& json, const std::string&) {
             const auto read = json.is_string() ? readTime(json.get<std::string>()) : std::nullopt;
-            if (!read) return refuse("/" + name, "expected a time such as \"500ms\" or \"2s\"");
-            value = std::chrono::milliseconds(std::max<std::int64_t>(1, *read / 1000));
+            if (!read || *read < 1000)
+                return refuse("/" + name,
+                              "expected a time such as \"500ms\" or \"2s\", from 1ms to 3600s");
+            value = std::chrono::milliseconds(*read / 1000);
         });
     }
     template <typename T>
@@ -176,7 +180,9 @@ void readThresholds(const Json& json, const std::string& pointer, Mix& mix,
         Threshold threshold{name};
         if (name == "max" || readPercentile(name)) {
             const auto time = value.is_string() ? readTime(value.get<std::string>()) : std::nullopt;
-            if (!time) return reader.refuse("/" + name, "expected a time such as \"500ms\"");
+            if (!time)
+                return reader.refuse("/" + name,
+                                     "expected a time such as \"500ms\", from 1us to 3600s");
             threshold.limit = static_cast<double>(*time);
         } else {
             const bool ratio = std::find(kRatios.begin(), kRatios.end(), name) != kRatios.end();
@@ -227,7 +233,7 @@ Outcome<Mix> parseMix(std::string_view text, const std::string& where) {
     });
     reader.member("slo", [&](const Json& slo, const std::string&) {
         if (slo.is_string()) mix.slo = readSlo(slo.get<std::string>());
-        if (!mix.slo) reader.refuse("/slo", "expected a limit such as \"p99=500ms\"");
+        if (!mix.slo) reader.refuse("/slo", kSloForm);
     });
     reader.member("thresholds", [&](const Json& list, const std::string& at) {
         readThresholds(list, at, mix, failure);

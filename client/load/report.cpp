@@ -131,8 +131,6 @@ const std::vector<double>& toldPercentiles() {
     return kTold;
 }
 
-std::string percentileName(double percent) { return "p" + numberText(percent, 4); }
-
 std::string errorList(const Tally& tally) {
     std::vector<std::pair<std::string, std::uint64_t>> errors(tally.errors.begin(),
                                                               tally.errors.end());

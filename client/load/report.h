@@ -34,9 +34,6 @@ struct LoadReport {
 /// The percentiles that are told: 50, 90, 95, 99, 99.9, 99.99.
 [[nodiscard]] const std::vector<double>& toldPercentiles();
 
-/// "p50", "p99.9".
-[[nodiscard]] std::string percentileName(double percent);
-
 /// "503-shed busy x12, timeout x1".
 [[nodiscard]] std::string errorList(const Tally& tally);
 

@@ -1,10 +1,9 @@
 #include "client/load/requests.h"
 
-#include <fstream>
 #include <map>
-#include <sstream>
 #include <utility>
 
+#include "client/load/input_file.h"
 #include "client/transport.h"
 #include "client/upload.h"
 
@@ -13,27 +12,29 @@ namespace {
 
 constexpr const char* kFresh = "Cache-Control: no-cache\r\n";
 
-Outcome<std::string> readFile(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream bytes;
-    if (file) bytes << file.rdbuf();
-    if (!file || bytes.str().empty())
-        return fail(ExitCode::usage, "The grid " + proto::inQuotes(path) + " cannot be read");
-    return bytes.str();
+/// More than any server takes.
+constexpr InputBounds kGrid{.bytes = std::size_t{1} << 30};
+
+Outcome<std::string> readGrid(const std::string& path, const Interrupt& interrupt) {
+    auto bytes = readInput("grid", path, kGrid, interrupt);
+    if (bytes && bytes->empty())
+        return fail(ExitCode::usage, "The grid " + proto::inQuotes(path) + " cannot be read",
+                    "it is empty");
+    return bytes;
 }
 
 /// The grids of a mix, each read or fetched once.
 class Grids {
 public:
     Grids(const ServerAccess& server, Interrupt& interrupt)
-        : transport_(server, interrupt, {.tries = 1}) {}
+        : interrupt_(interrupt), transport_(server, interrupt, {.tries = 1}) {}
 
     Outcome<std::string> get(const MixEntry& entry) {
         const std::string key = entry.sample.empty() ? "file:" + entry.file : entry.sample;
         if (const auto known = known_.find(key); known != known_.end()) return known->second;
         Outcome<std::string> bytes;
         if (entry.sample.empty()) {
-            bytes = readFile(entry.file);
+            bytes = readGrid(entry.file, interrupt_);
         } else {
             auto answer = transport_.send(makeRequest("GET", "/v1/samples/" + entry.sample));
             if (!answer) return tl::unexpected(answer.error());
@@ -44,6 +45,7 @@ public:
     }
 
 private:
+    const Interrupt& interrupt_;
     Transport transport_;
     std::map<std::string, std::string> known_;
 };

@@ -1,5 +1,7 @@
 #include "client/load/units.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -34,12 +36,16 @@ std::optional<std::int64_t> readTime(std::string_view text) {
     }
     const auto value = readNumber(text.substr(0, text.size() - unit));
     if (!value || *value <= 0 || *value * scale > kHour) return std::nullopt;
-    return std::llround(*value * scale);
+    // Times are whole microseconds: at most 1.5 us is at most 1 us. What is less than the last
+    // digit of a double off is meant to be whole.
+    const auto whole = static_cast<std::int64_t>(std::floor(*value * scale * (1 + 1e-12)));
+    return whole > 0 ? std::optional(whole) : std::nullopt;
 }
 
 std::string numberText(double value, int digits) {
-    char text[64];
-    std::snprintf(text, sizeof text, "%.*f", digits, value);
+    if (!std::isfinite(value)) return "n/a";
+    char text[400];  // the largest number has 309 digits before the point
+    std::snprintf(text, sizeof text, "%.*f", std::min(digits, 20), value);
     std::string result = text;
     if (digits == 0) return result;
     while (result.ends_with('0')) result.pop_back();
@@ -68,6 +74,12 @@ std::optional<double> readPercentile(std::string_view text) {
     const auto value = readNumber(text.substr(1));
     if (!value || *value <= 0 || *value >= 100) return std::nullopt;
     return value;
+}
+
+std::string percentileName(double percent) {
+    std::array<char, 32> text{};
+    const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), percent);
+    return "p" + (error == std::errc() ? std::string(text.data(), end) : numberText(percent));
 }
 
 std::optional<Slo> readSlo(std::string_view text) {

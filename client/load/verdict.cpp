@@ -46,7 +46,7 @@ LoadExit exitOf(const Failure& failure) {
 std::vector<Judgement> judge(const std::vector<Threshold>& thresholds,
                              const std::optional<Slo>& slo, const LoadResult& result) {
     std::vector<Threshold> all = thresholds;
-    if (slo) all.push_back({"p" + numberText(slo->percent, 4), static_cast<double>(slo->limit)});
+    if (slo) all.push_back({percentileName(slo->percent), static_cast<double>(slo->limit)});
     std::vector<Judgement> judgements;
     for (Threshold& threshold : all) {
         Judgement one{std::move(threshold), {}, false};
