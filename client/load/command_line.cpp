@@ -4,7 +4,9 @@
 #include <cmath>
 #include <map>
 
+#include "client/complaint.h"
 #include "client/load/manual.h"
+#include "client/printable.h"
 
 namespace rivage::client::load {
 namespace {
@@ -79,7 +81,8 @@ void addGenerator(CLI::App& command, LoadOptions& options) {
         ->check(within(0.001, kMaxSeconds));
     command.add_flag("--no-keep-alive", options.noKeepAlive, "A new connection for each request");
     command.add_option("--seed", options.seed, "Of everything that is drawn")
-        ->capture_default_str();
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber);
     command.add_option("--nice", options.nice, "Priority, as far as the user may")
         ->capture_default_str()
         ->check(CLI::Range(-20, 19));
@@ -165,7 +168,8 @@ void addOthers(CLI::App& app, LoadOptions& options) {
 }
 
 tl::unexpected<LoadExit> complain(Console& console, const std::string& text) {
-    console.err << "rivage-load: " << text << "\nRun with --help for more information.\n";
+    console.err << "rivage-load: " << printable(text)
+                << "\nRun with --help for more information.\n";
     return tl::unexpected(LoadExit::usage);
 }
 
@@ -208,7 +212,7 @@ tl::expected<LoadOptions, LoadExit> parseLoadCommandLine(const std::vector<std::
         return tl::unexpected(outputArrived(console, "rivage-load") ? LoadExit::ok
                                                                     : LoadExit::notWritten);
     } catch (const CLI::ParseError& error) {
-        return complain(console, error.what());
+        return complain(console, complaint(app, arguments, error));
     }
     static const std::map<std::string, LoadCommand> kCommands{
         {"run", LoadCommand::run},           {"search", LoadCommand::search},

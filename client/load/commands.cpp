@@ -11,6 +11,7 @@
 #include "client/load/report.h"
 #include "client/load/search.h"
 #include "client/load/stub_server.h"
+#include "client/printable.h"
 
 namespace rivage::client::load {
 namespace {
@@ -205,9 +206,11 @@ LoadExit run(const LoadOptions& options, Console& console, Interrupt& interrupt)
     const LoadReport report{setup->plan, result,
                             judge(setup->plan.mix.mix.thresholds, setup->slo, result),
                             setup->environment, setup->version};
-    console.out << (options.json ? proto::writeJson(reportJson(report)) + "\n"
-                                 : reportTable(report))
+    console.out << (options.json ? jsonLine(reportJson(report)) : reportTable(report))
                 << std::flush;
+    if (options.json)  // for the log of a nightly run, where nobody reads the document
+        for (const std::string& line : verdictLines(report))
+            if (!line.starts_with("kept")) console.err << "rivage-load: " << line << "\n";
     if (!options.out.empty())
         if (const auto written = writeReport(options.out, report); !written)
             return complain(console, written.error());
@@ -233,7 +236,7 @@ LoadExit search(const LoadOptions& options, Console& console, Interrupt& interru
     json["server"] = setup->version;
     const std::string markdown = curveMarkdown(plan, result);
     json["markdown"] = markdown;
-    console.out << (options.json ? proto::writeJson(json) + "\n" : markdown) << std::flush;
+    console.out << (options.json ? jsonLine(json) : markdown) << std::flush;
     if (!options.out.empty()) {
         const auto written =
             writeFolder(options.out, {{"search.json", indented(json)}, {"search.md", markdown}});

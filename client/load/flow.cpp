@@ -167,8 +167,9 @@ void JobFlow::onEnded() {
 
 void JobFlow::accepted() {
     job_ = answer.field("location");
-    if (answer.status() != 202 || !isJob(job_))
+    if (answer.status() != 202)
         return finish(Ending::failed, "unexpected " + std::to_string(answer.status()));
+    if (!isJob(job_)) return finish(Ending::failed, "bad-location");
     if (draw.abandoned) return finish(Ending::abandoned);
     if (draw.cancelled) host.wake(*this, Clock::now() + prepared.entry.cancelAfter);
     follow();

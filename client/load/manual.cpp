@@ -22,13 +22,15 @@ std::vector<ManEntry> examples() {
 }
 
 std::vector<ManEntry> exitStatus() {
-    return {{"0", "done, and everything was kept"},
-            {"1", "a threshold of the mix or the limit of --slo was missed"},
-            {"2", "the command line, the mix or the trace is wrong"},
-            {"3", "the generator was late: the figures say nothing about the server"},
-            {"4", "no server answers"},
-            {"7", "cancelled"},
-            {"8", "a file could not be written"}};
+    return {
+        {"0", "done, and everything was kept"},
+        {"1", "a threshold of the mix or the limit of --slo was missed, or no answer was good"},
+        {"2", "the command line, the mix or the trace is wrong"},
+        {"3",
+         "the generator was late or ran out of files: the figures say nothing about the server"},
+        {"4", "no server answers"},
+        {"7", "cancelled"},
+        {"8", "a file could not be written"}};
 }
 
 /// A program that is described to its end, for what is made from its options.

@@ -10,9 +10,17 @@
 namespace rivage::client::load {
 namespace {
 
+/// Several times those of our server.
+constexpr std::size_t kMostNames = 1000;
+
 bool wanted(std::string_view name) {
     const bool ours = name.starts_with("rivage_") || name.starts_with("process_");
-    return ours && !name.ends_with("_bucket") && !name.ends_with("_sum") &&
+    // It becomes the head of a column: a server that sends something else is not quoted.
+    const bool plain = name.size() <= 100 && std::all_of(name.begin(), name.end(), [](char c) {
+                           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                                  (c >= '0' && c <= '9') || c == '_' || c == ':';
+                       });
+    return ours && plain && !name.ends_with("_bucket") && !name.ends_with("_sum") &&
            !name.ends_with("_count");
 }
 
@@ -31,7 +39,9 @@ MetricsSample parseMetrics(std::string_view text) {
         double value = 0;
         const auto [stop, error] =
             std::from_chars(number.data(), number.data() + number.size(), value);
-        if (error == std::errc() && std::isfinite(value)) sample[std::string(name)] += value;
+        if (error != std::errc() || !std::isfinite(value)) continue;
+        if (sample.size() < kMostNames || sample.contains(std::string(name)))
+            sample[std::string(name)] += value;
     }
     return sample;
 }

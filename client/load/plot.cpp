@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "client/load/units.h"
+#include "client/printable.h"
 
 namespace rivage::client::load {
 namespace {
@@ -35,7 +36,8 @@ struct Scale {
 
 std::string escaped(const std::string& text) {
     std::string result;
-    for (const char c : text) result += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
+    for (const char c : printable(text))
+        result += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
     return result;
 }
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <string_view>
+
+#include "client/printable.h"
 
 namespace rivage::client::load {
 namespace {
@@ -25,11 +28,21 @@ std::string alignedTable(const std::vector<std::vector<std::string>>& rows) {
     return text;
 }
 
+/// Text that stays within its cell, and is text only.
+std::string markdownCell(const std::string& text) {
+    std::string cell;
+    for (const char c : printable(text)) {
+        if (std::string_view("\\|`[]").find(c) != std::string_view::npos) cell += '\\';
+        cell += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
+    }
+    return cell;
+}
+
 std::string markdownTable(const std::vector<std::vector<std::string>>& rows) {
     std::string text;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         text += "|";
-        for (const std::string& cell : rows[i]) text += " " + cell + " |";
+        for (const std::string& cell : rows[i]) text += " " + markdownCell(cell) + " |";
         text += "\n";
         if (i > 0) continue;
         text += "|";
@@ -105,8 +118,7 @@ std::string healthLine(const LoadResult& result) {
     const std::string late = lag.count() == 0 ? "n/a" : timeText(lag.valueAt(99));
     return "generator  send lag p99 " + late + ", late " + numberText(100 * health.lateShare, 2) +
            " %, CPU " + numberText(100 * health.cpu, 0) + " %, not sent " +
-           std::to_string(health.notSent) + (health.valid ? "" : "\nINVALID: " + health.reason) +
-           "\n";
+           std::to_string(health.notSent) + "\n";
 }
 
 std::string wordsBelow(const LoadReport& report) {
@@ -119,8 +131,7 @@ std::string wordsBelow(const LoadReport& report) {
         phaseLine(tally, {Measure::serverQueue, Measure::serverCompute, Measure::serverOverhead});
     if (!server.empty()) text += "server (p50 / p99)  " + server + "\n";
     text += goodputLine(report) + healthLine(report.result);
-    for (const Judgement& one : report.judgements)
-        text += (one.kept ? "kept     " : "MISSED   ") + describe(one) + "\n";
+    for (const std::string& line : verdictLines(report)) text += line + "\n";
     return text;
 }
 
@@ -129,6 +140,17 @@ std::string wordsBelow(const LoadReport& report) {
 const std::vector<double>& toldPercentiles() {
     static const std::vector<double> kTold{50, 90, 95, 99, 99.9, 99.99};
     return kTold;
+}
+
+std::vector<std::string> verdictLines(const LoadReport& report) {
+    std::vector<std::string> lines;
+    const GeneratorHealth& health = report.result.health;
+    if (!health.valid) lines.push_back("INVALID: " + health.reason);
+    if (const std::string none = whatIsMissing(report.result); !none.empty())
+        lines.push_back("MISSED   " + none);
+    for (const Judgement& one : report.judgements)
+        lines.push_back((one.kept ? "kept     " : "MISSED   ") + describe(one));
+    return lines;
 }
 
 std::string errorList(const Tally& tally) {
@@ -157,13 +179,14 @@ std::string reportTable(const LoadReport& report) {
     std::string names;
     for (const std::string& name : report.plan.mix.mix.names())
         names += (names.empty() ? "" : ", ") + name;
-    return names + " at " + toText(report.plan.target.endpoint) + ": " + describeLoad(report.plan) +
-           "\n" + alignedTable(latencyRows(report.result.tally)) + wordsBelow(report);
+    return printable(names + " at " + toText(report.plan.target.endpoint)) + ": " +
+           describeLoad(report.plan) + "\n" + alignedTable(latencyRows(report.result.tally)) +
+           wordsBelow(report);
 }
 
 std::string reportMarkdown(const LoadReport& report) {
-    std::string text = "# Load test\n\n" + describeLoad(report.plan) + " at `" +
-                       toText(report.plan.target.endpoint) + "`\n\n" +
+    std::string text = "# Load test\n\n" + describeLoad(report.plan) + " at " +
+                       markdownCell(toText(report.plan.target.endpoint)) + "\n\n" +
                        markdownTable(latencyRows(report.result.tally)) + "\n```\n" +
                        wordsBelow(report) + "```\n\n";
     std::vector<std::vector<std::string>> rows{{"entry", "planned", "good", "p50", "p99"}};

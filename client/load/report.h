@@ -22,6 +22,9 @@ struct LoadReport {
 /// What a person wants to know, in a few lines.
 [[nodiscard]] std::string reportTable(const LoadReport& report);
 
+/// What the exit code comes from, a line each: "INVALID: ...", "MISSED   ...", "kept     ...".
+[[nodiscard]] std::vector<std::string> verdictLines(const LoadReport& report);
+
 /// Everything, with the histograms without loss.
 [[nodiscard]] proto::Json reportJson(const LoadReport& report);
 

@@ -66,13 +66,21 @@ std::string describe(const Judgement& judgement) {
            (metric == "goodput" ? ", at least " : ", at most ") + valueText(metric, limit);
 }
 
+std::string whatIsMissing(const LoadResult& result) {
+    const Tally& tally = result.tally;
+    if (result.interrupted || !result.health.valid) return {};
+    if (tally.planned == 0) return "nothing was sent in the time that counts, after the warm-up";
+    return tally.judged() > 0 && tally.good == 0 ? "no answer was good" : "";
+}
+
 LoadExit exitOf(const LoadResult& result, const std::vector<Judgement>& judgements) {
     if (result.interrupted) return LoadExit::cancelled;
     if (!result.health.valid) return LoadExit::late;
     const Tally& tally = result.tally;
-    const auto found = tally.errors.find("connect-refused");
-    if (tally.planned > 0 && found != tally.errors.end() && found->second == tally.planned)
+    if (tally.failed > 0 && tally.failed == tally.planned && tally.statuses.empty() &&
+        tally.notSent() < tally.planned)
         return LoadExit::unreachable;
+    if (!whatIsMissing(result).empty()) return LoadExit::missed;
     const bool kept = std::all_of(judgements.begin(), judgements.end(),
                                   [](const Judgement& one) { return one.kept; });
     return kept ? LoadExit::ok : LoadExit::missed;

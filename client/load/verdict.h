@@ -13,7 +13,7 @@ namespace rivage::client::load {
 /// same it has the same number; 1 and 3 are of load tests only.
 enum class LoadExit : std::uint8_t {
     ok = 0,
-    missed = 1,       ///< a threshold or the limit of --slo was not kept
+    missed = 1,       ///< a threshold or the limit of --slo was not kept, or nothing was good
     usage = 2,        ///< the command line, the mix or the trace is wrong
     late = 3,         ///< the generator did not keep up: the figures say nothing
     unreachable = 4,  ///< no server answers
@@ -38,6 +38,10 @@ struct Judgement {
 
 /// "p99 = 31.2 ms, at most 500 ms".
 [[nodiscard]] std::string describe(const Judgement& judgement);
+
+/// Why a run without any condition is none that kept it: there is nothing to judge, or nothing
+/// good. Empty if there is, or if more is wrong.
+[[nodiscard]] std::string whatIsMissing(const LoadResult& result);
 
 /// The exit code of a run: a generator that was late comes before everything that it measured.
 [[nodiscard]] LoadExit exitOf(const LoadResult& result, const std::vector<Judgement>& judgements);

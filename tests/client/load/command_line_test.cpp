@@ -88,6 +88,37 @@ TEST_SUITE("client/load") {
         }
     }
 
+    TEST_CASE("reject: numbers that are none, by the name of the option") {
+        const std::string url = "http://127.0.0.1:1";
+        for (const char* option : {"--rate", "--timeout", "--verify", "--duration", "--warmup"})
+            for (const char* value : {"nan", "inf", "-inf", "1e999"}) {
+                CAPTURE(option);
+                CAPTURE(value);
+                std::vector<std::string> arguments{"run", "--server", url, option, value};
+                if (option != std::string("--rate"))
+                    arguments.insert(arguments.end(), {"--rate", "1"});
+                const Ended ended = command(arguments);
+                CHECK(ended.code == 2);
+                CHECK(ended.err.find(option) != std::string::npos);
+            }
+        for (const char* option : {"--from", "--precision", "--window", "--max-errors", "--curve"})
+            CHECK(command({"search", "--server", url, option, "nan"}).code == 2);
+        CHECK(command({"run", "--server", url, "--rate", "1", "--seed", "-1"}).code == 2);
+        CHECK(command({"run", "--server", url, "--rate", "1", "--max-requests", "0"}).code == 2);
+        const Ended slo = command({"run", "--server", url, "--rate", "1", "--slo", "p99=0.4us"});
+        CHECK(slo.code == 2);
+        CHECK(slo.err.find("1us") != std::string::npos);
+    }
+
+    TEST_CASE("reject: a slip is told, and what it was perhaps") {
+        CHECK(command({"run", "--rat", "5"}).err.find("did you mean --rate?") != std::string::npos);
+        CHECK(command({"search", "--slow=p99=1s"}).err.find("did you mean --slo?") !=
+              std::string::npos);
+        CHECK(command({"go"}).err.find("there is no command \"go\"; there are run, search") !=
+              std::string::npos);
+        CHECK(command({"run", "--r\x1b[2Jat"}).err.find('\x1b') == std::string::npos);
+    }
+
     TEST_CASE("safety: another machine is only asked if its owner says so") {
         const Ended ended = command({"run", "--server", "http://192.0.2.1", "--rate", "1"});
         CHECK(ended.code == 2);
@@ -105,6 +136,10 @@ TEST_SUITE("client/load") {
         CHECK(command(runAt(stub.url(), {"--concurrency", "2", "--slo", "p50=1s"})).code == 0);
         CHECK(command(runAt(stub.url(), {"--concurrency", "2", "--slo", "p50=1us"})).code == 1);
         CHECK(command(runAt("http://127.0.0.1:1", {"--rate", "10"})).code == 4);
+        const Ended missed =
+            command(runAt(stub.url(), {"--concurrency", "2", "--slo", "p50=1us", "--json"}));
+        CHECK(missed.code == 1);
+        CHECK(missed.err.starts_with("rivage-load: MISSED   p50 = "));
     }
 
     TEST_CASE("run: a folder with the report in all its forms") {

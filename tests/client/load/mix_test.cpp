@@ -2,6 +2,10 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+
+#include "client/load/histogram.h"
+
 namespace rivage::client::load {
 namespace {
 
@@ -69,6 +73,12 @@ TEST_SUITE("client/load") {
         CHECK(field(R"({"entries":[{}],"slo":"fast"})") == "/slo");
         CHECK(field(R"({"entries":[{}],"seed":-1})") == "/seed");
         CHECK(field(R"({"entries":[{}],"thresholds":{"p99":0.5}})") == "/thresholds/p99");
+        CHECK(field(R"({"entries":[{}],"thresholds":{"p99":"0.4us"}})") == "/thresholds/p99");
+        CHECK(entry(R"("mode":"job","poll_every":"0.4ms")") == "/entries/0/poll_every");
+        for (const char* number : {"NaN", "Infinity", "1e999", "-1e999"}) {
+            CAPTURE(number);
+            CHECK_FALSE(parseMix(std::string(R"({"entries":[{"weight":)") + number + "}]}", "m"));
+        }
         CHECK(field(R"({"entries":[{}],"thresholds":{"p100":"1s"}})") == "/thresholds/p100");
         CHECK(field(R"({"entries":[{}],"thresholds":{"errors":2}})") == "/thresholds/errors");
         CHECK(field(R"({"entries":[{}],"extra":1})") == "/extra");
@@ -82,6 +92,23 @@ TEST_SUITE("client/load") {
             CAPTURE(text);
             CHECK_FALSE(readTime(text));
         }
+        // No clock here tells less than 1 us, and what is not whole must not be rounded up.
+        for (const char* text : {"0.4us", "0.999us", "0.0009ms", "nanus", "infs", "1e-9s"}) {
+            CAPTURE(text);
+            CHECK_FALSE(readTime(text));
+        }
+        CHECK(readTime("1us") == 1);
+        CHECK(readTime("1.9us") == 1);
+        CHECK(readTime("0.0011s") == 1100);
+        CHECK(readTime("3600s") == Histogram::kHighest);
+        CHECK_FALSE(readSlo("p99=0.4us"));
+        CHECK_FALSE(readSlo("pnan=1s"));
+        for (const double percent : {50.0, 99.9, 99.99999, 1e-7}) {
+            CAPTURE(percent);
+            CHECK(readPercentile(percentileName(percent)) == percent);
+        }
+        CHECK(numberText(1e300).size() == 301);
+        CHECK(numberText(std::nan("")) == "n/a");
         CHECK(readSlo("p99.9=1s")->percent == 99.9);
         for (const char* text : {"p99", "99=1s", "p0=1s", "p100=1s", "p99=1"}) {
             CAPTURE(text);

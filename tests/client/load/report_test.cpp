@@ -146,6 +146,45 @@ kept     p99 = 6.98 ms, at most 100 ms
               std::string::npos);
     }
 
+    TEST_CASE("report: names and servers say nothing to a terminal or to Markdown") {
+        LoadPlan load = plan();
+        load.mix.mix.entries[0].name = "a\x1b[2J\xc2\x9b|<b>\n# x `y`";
+        LoadResult result = figures();
+        const proto::Json odd{{"version", "\x1b]0;x\x07|<script>"}};
+        const LoadReport report{load, result, {}, odd, odd};
+        const std::string markdown = reportMarkdown(report);
+        const std::string table = reportTable(report);
+        for (const std::string& text : {table, markdown}) {
+            CAPTURE(text);
+            for (const char* bad : {"\x1b", "\x07", "\xc2\x9b", "\n# x"})
+                CHECK(text.find(bad) == std::string::npos);
+        }
+        CHECK(markdown.find("a?\\[2J?\\|&lt;b> # x \\`y\\`") != std::string::npos);
+        CHECK(markdown.find("<script>") == std::string::npos);
+        const std::string svg = drawSvg({{"<t>\x1b&", {{"n\x1b<", "#111", {{1, 1}}}}, {}}});
+        CHECK(svg.find("&lt;t>?&amp;") != std::string::npos);
+        CHECK(svg.find("n?&lt;") != std::string::npos);
+    }
+
+    TEST_CASE("verdict: a run in which nothing was good is none that was kept") {
+        LoadResult result = figures();
+        result.health.valid = true;
+        result.tally.good = 0;
+        CHECK(exitOf(result, {}) == LoadExit::missed);
+        result.tally.statuses.clear();
+        result.tally.failed = result.tally.planned;
+        CHECK(exitOf(result, {}) == LoadExit::unreachable);
+        LoadResult nothing;
+        CHECK(exitOf(nothing, {}) == LoadExit::missed);
+        nothing.tally.planned = nothing.tally.aborted = 5;  // on purpose
+        CHECK(exitOf(nothing, {}) == LoadExit::ok);
+        const LoadPlan load = plan();
+        nothing.tally = {};
+        nothing.tally.entries.resize(1);
+        CHECK(reportTable({load, nothing, {}}).find("MISSED   nothing was sent") !=
+              std::string::npos);
+    }
+
     TEST_CASE("plot: both lines, and no file of nonsense without samples") {
         const std::string svg = drawLatency(figures());
         CHECK(svg.starts_with("<svg "));

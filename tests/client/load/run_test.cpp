@@ -335,6 +335,65 @@ TEST_SUITE("client/load") {
         CHECK(before.rlim_cur == before.rlim_max);
     }
 
+    TEST_CASE("reject: a Location that is no job of this server is not asked for") {
+        for (const std::string& location :
+             {std::string(), std::string("/v1/jobs/"), std::string("/v1/jobs/../samples"),
+              std::string("/v1/jobs/1/result"), std::string("/v1/jobs/1?x=y"),
+              std::string("/v1/jobs/a b"), std::string("http://127.0.0.1:1/v1/jobs/1"),
+              std::string("/other/1"), "/v1/jobs/" + std::string(300, 'a')}) {
+            CAPTURE(location);
+            std::atomic<int> asked{0};
+            FakeServer server;
+            server.http.Get("/v1/samples/x", [](const auto&, auto& response) {
+                response.set_content("grid", "application/octet-stream");
+            });
+            server.http.Post("/v1/jobs", [&](const auto&, auto& response) {
+                response.status = 202;
+                response.set_header("Location", location);
+            });
+            server.http.Get(".*", [&](const auto&, auto&) { ++asked; });
+            server.start();
+            LoadPlan plan = planFor(server.url(), jobMix(Follow::poll),
+                                    {.kind = Arrivals::constant, .rate = 50});
+            plan.duration = std::chrono::duration<double>(0.2);
+            const LoadResult result = runPlan(plan);
+            CHECK(result.tally.errors ==
+                  std::map<std::string, std::uint64_t>{{"bad-location", 10}});
+            CHECK(asked == 0);
+        }
+    }
+
+    TEST_CASE("run: a Server-Timing that is no time is passed over") {
+        for (const char* value : {"1e300", "inf", "nan", "-5", "9e99", "", "4000000"}) {
+            CAPTURE(value);
+            FakeServer server;
+            server.http.Get("/v1/samples/x", [](const auto&, auto& response) {
+                response.set_content("grid", "application/octet-stream");
+            });
+            server.http.Post("/v1/regularize", [&](const auto&, auto& response) {
+                response.set_header("Server-Timing", "queue;dur=2, solve;dur=" +
+                                                         std::string(value) + ", write;dur=3");
+            });
+            server.start();
+            Mix mix;
+            mix.entries.push_back({.name = "x", .sample = "x"});
+            LoadPlan plan = planFor(server.url(), mix, {.kind = Arrivals::constant, .rate = 50});
+            plan.duration = std::chrono::duration<double>(0.2);
+            const LoadResult result = runPlan(plan);
+            CHECK(result.tally[Measure::serverQueue].max() == 2000);
+            CHECK(result.tally[Measure::serverCompute].max() == 3000);
+        }
+    }
+
+    TEST_CASE("metrics: what is no name or no number is no column") {
+        CHECK(parseMetrics("rivage_a\x1b[2J 1\nrivage_a,b 1\nrivage_\"x 1\nrivage_c NaN\n"
+                           "rivage_d +Inf\nrivage_e inf\nrivage_f 1\n") ==
+              MetricsSample{{"rivage_f", 1}});
+        std::string many;
+        for (int i = 0; i < 5000; ++i) many += "rivage_" + std::to_string(i) + " 1\n";
+        CHECK(parseMetrics(many + many).size() == 1000);
+    }
+
     TEST_CASE("metrics: sums of what the server says of itself") {
         const MetricsSample sample = parseMetrics(
             "# HELP rivage_queue_depth x\nrivage_queue_depth 3\n"
