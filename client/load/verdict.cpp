@@ -27,6 +27,12 @@ std::string valueText(const std::string& metric, double value) {
     return metric == "goodput" ? numberText(value) + "/s" : numberText(100 * value, 3) + " %";
 }
 
+/// Not one head of an answer has come, though there were connections to send on.
+bool nobodyAnswered(const Tally& tally) {
+    return tally.failed > 0 && tally.failed == tally.planned && tally.statuses.empty() &&
+           tally.notSent() < tally.planned;
+}
+
 }  // namespace
 
 LoadExit exitOf(const Failure& failure) {
@@ -70,6 +76,7 @@ std::string whatIsMissing(const LoadResult& result) {
     const Tally& tally = result.tally;
     if (result.interrupted || !result.health.valid) return {};
     if (tally.planned == 0) return "nothing was sent in the time that counts, after the warm-up";
+    if (nobodyAnswered(tally)) return "no server answered";
     return tally.judged() > 0 && tally.good == 0 ? "no answer was good" : "";
 }
 
@@ -77,9 +84,7 @@ LoadExit exitOf(const LoadResult& result, const std::vector<Judgement>& judgemen
     if (result.interrupted) return LoadExit::cancelled;
     if (!result.health.valid) return LoadExit::late;
     const Tally& tally = result.tally;
-    if (tally.failed > 0 && tally.failed == tally.planned && tally.statuses.empty() &&
-        tally.notSent() < tally.planned)
-        return LoadExit::unreachable;
+    if (nobodyAnswered(tally)) return LoadExit::unreachable;
     if (!whatIsMissing(result).empty()) return LoadExit::missed;
     const bool kept = std::all_of(judgements.begin(), judgements.end(),
                                   [](const Judgement& one) { return one.kept; });

@@ -174,6 +174,7 @@ kept     p99 = 6.98 ms, at most 100 ms
         result.tally.statuses.clear();
         result.tally.failed = result.tally.planned;
         CHECK(exitOf(result, {}) == LoadExit::unreachable);
+        CHECK(whatIsMissing(result) == "no server answered");
         LoadResult nothing;
         CHECK(exitOf(nothing, {}) == LoadExit::missed);
         nothing.tally.planned = nothing.tally.aborted = 5;  // on purpose
