@@ -20,6 +20,8 @@ constexpr auto kPace = 50ms;
 constexpr auto kWakeEarly = 60us;
 constexpr std::size_t kBuffer = 256 << 10;
 constexpr int kEvents = 256;
+/// So many bytes of one connection are taken before the others have their turn.
+constexpr std::size_t kFairShare = 1 << 20;
 
 /// Watches a descriptor. @return 0, or errno
 int watch(int epoll, int fd, std::uint32_t events, void* what) {
@@ -232,7 +234,8 @@ void Carrier::stepSend(Slot& slot) {
 }
 
 void Carrier::stepReceive(Slot& slot) {
-    while (mayMove(slot)) {
+    // A server that never stops sending must not keep the others, and the time limits, waiting.
+    for (std::size_t taken = 0; taken < kFairShare && mayMove(slot);) {
         std::span<char> room(buffer_);
         if (slot.exchange->bytesPerSecond > 0)
             room = room.first(std::min(room.size(), slot.allowance));
@@ -242,6 +245,7 @@ void Carrier::stepReceive(Slot& slot) {
             return;
         }
         if (result.io != Io::done) return broken(slot, result);
+        taken += result.bytes;
         if (!take(slot, {room.data(), result.bytes})) return;
         if (!slot.wire.secure() && result.bytes < room.size()) return;
     }

@@ -115,6 +115,8 @@ void ResponseParser::endHead() {
         return;
     }
     if (status_ < 200 && status_ != 101) {
+        left_ += head_.size();  // counts interim answers until the body has a length
+        if (left_ > kMaxHead) state_ = State::malformed;
         head_.clear();
         return;
     }
@@ -195,7 +197,9 @@ void ResponseParser::endLine() {
     if (state_ == State::chunkEnd) {
         state_ = line_.empty() ? State::chunkSize : State::malformed;
     } else if (state_ == State::trailer) {
-        if (line_.empty()) state_ = State::done;
+        left_ += line_.size() + 2;  // no chunk is left: counts the trailer
+        if (line_.empty() || left_ > kMaxHead)
+            state_ = line_.empty() ? State::done : State::malformed;
     } else {
         const auto size =
             readNumber(trimmed(std::string_view(line_).substr(0, line_.find(';'))), 16);

@@ -190,6 +190,15 @@ TEST_SUITE("client/load") {
         CHECK_FALSE(exchange.reused);
     }
 
+    TEST_CASE("regression: interim answers and trailers without end kept the thread for ever") {
+        std::string interim;
+        while (interim.size() < (1 << 20)) interim += "HTTP/1.1 102 x\r\n\r\n";
+        CHECK(classOf(interim) == "malformed-answer");
+        std::string trailer = "HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n";
+        while (trailer.size() < (1 << 20)) trailer += "X: y\r\n";
+        CHECK(classOf(trailer) == "malformed-answer");
+    }
+
     TEST_CASE("carrier: phases follow each other") {
         const ScriptedServer server([](const ScriptedConnection& client) {
             (void)client.readHead();
