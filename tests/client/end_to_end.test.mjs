@@ -79,15 +79,21 @@ test('Ctrl-C cancels the job, removes the private server and leaves no file', as
   assert.deepEqual(readdirSync(folder), ['island.vox']);
 });
 
-test('a second Ctrl-C ends what waits for a grid that does not come', async (t) => {
+test('Ctrl-C ends what waits for a grid, or for the reader of a result; compare ends by it', async (t) => {
   const folder = makeFolder(t);
   execFileSync('mkfifo', [join(folder, 'grid.vox')]);
-  const run = start('rivage', ['inspect', 'grid.vox'], {folder});
-  await sleep(1500);
-  run.child.kill('SIGINT');
-  await sleep(500);
-  run.child.kill('SIGINT');
-  assert.equal((await run.ended).signal, 'SIGINT');
+  for (const words of [['inspect', 'grid.vox'],
+    ['sample', 'voxel', '-o', 'grid.vox'], ['compare', 'grid.vox', 'grid.vox']]) {
+    const run = start('rivage', words, {folder});
+    await sleep(1500);
+    assert.equal(run.child.exitCode, null, 'it waits');
+    const since = Date.now();
+    run.child.kill('SIGINT');
+    const ended = await run.ended;
+    if (words[0] === 'compare') assert.equal(ended.signal, 'SIGINT');
+    else assert.equal(ended.code, 7, ended.stderr);
+    assert.ok(Date.now() - since < 3000, 'it ends soon');
+  }
 });
 
 test('Ctrl-C cancels the job at a named server, which stays', async (t) => {
