@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace rivage::core {
 namespace {
@@ -19,6 +20,14 @@ BrickGrid::BrickGrid(const Vec3i& size)
     : size_(size), bricks_((size.array() + (kSide - 1)) / kSide) {
     assert((size.array() >= 0).all());
     directory_.assign(static_cast<std::size_t>(bricks_.x()) * bricks_.y() * bricks_.z(), 0);
+}
+
+BrickGrid::BrickGrid(const Vec3i& size, const std::vector<bool>& stored) : BrickGrid(size) {
+    assert(stored.size() == directory_.size());
+    std::uint32_t count = 0;
+    for (std::size_t i = 0; i < stored.size(); ++i)
+        if (stored[i]) directory_[i] = ++count;
+    store_.resize(count);  // value-initialized: empty
 }
 
 std::size_t BrickGrid::slot(const Vec3i& brick) const {
@@ -47,6 +56,10 @@ const BrickGrid::Brick* BrickGrid::brick(const Vec3i& at) const {
     if ((at.array() < 0).any() || (at.array() >= bricks_.array()).any()) return nullptr;
     const std::uint32_t entry = directory_[slot(at)];
     return entry == 0 ? nullptr : &store_[entry - 1];
+}
+
+BrickGrid::Brick* BrickGrid::brick(const Vec3i& at) {
+    return const_cast<Brick*>(std::as_const(*this).brick(at));
 }
 
 bool BrickGrid::copyRow(int xBegin, int y, int z, std::span<MaterialId> row) const {

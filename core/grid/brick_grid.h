@@ -22,6 +22,10 @@ public:
     BrickGrid() = default;
     /// @cost 4 bytes per brick; no voxel is stored yet
     explicit BrickGrid(const Vec3i& size);
+    /// With bricks of empty voxels where `stored` says so (x fastest), to be filled by several
+    /// threads at once.
+    /// @param stored  one flag a brick
+    BrickGrid(const Vec3i& size, const std::vector<bool>& stored);
 
     [[nodiscard]] const Vec3i& size() const { return size_; }
     /// Number of bricks along x, y, z.
@@ -35,6 +39,7 @@ public:
     void set(const Vec3i& voxel, MaterialId material);
     /// The brick with these brick coordinates, or null where all its voxels are empty.
     [[nodiscard]] const Brick* brick(const Vec3i& at) const;
+    [[nodiscard]] Brick* brick(const Vec3i& at);
     /// Copies the voxels (xBegin, y, z), (xBegin + 1, y, z), ... into `row`; empty outside.
     /// @return false if every voxel copied is empty because no brick is stored there
     bool copyRow(int xBegin, int y, int z, std::span<MaterialId> row) const;
