@@ -114,7 +114,7 @@ struct MethodOptions {
 /// @source METHOD.md section 8; [CGL18] for `paper`
 [[nodiscard]] MethodOptions presetOptions(Preset preset);
 
-enum class OutputFormat : std::uint8_t { glb, obj };
+enum class OutputFormat : std::uint8_t { glb, obj, vox, nrrd };
 enum class Parts : std::uint8_t { exterior, interfaces };
 enum class Colors : std::uint8_t { voxel, label, none };
 enum class Shading : std::uint8_t { smooth, crease, flat };
@@ -122,8 +122,19 @@ enum class Compression : std::uint8_t { draco, none };
 enum class Pivot : std::uint8_t { bottom, center, corner, world };
 enum class UpAxis : std::uint8_t { y, z };
 
+/// The largest number in a scale, after it is reduced.
+inline constexpr int kMaxScale = 16;
+
+/// Voxels of the output for one of the input along each axis: up / down, without common factor.
+struct Scale {
+    int up = 1;
+    int down = 1;
+    bool operator==(const Scale&) const = default;
+};
+
 struct OutputOptions {
     OutputFormat format = OutputFormat::glb;
+    Scale scale = {};  ///< of the voxel outputs, `vox` and `nrrd`
     Parts parts = Parts::exterior;
     Colors colors = Colors::voxel;
     Shading shading = Shading::crease;
@@ -134,6 +145,11 @@ struct OutputOptions {
     Pivot pivot = Pivot::bottom;
     UpAxis up = UpAxis::y;
 };
+
+/// Whether the result is voxels again, not a mesh.
+[[nodiscard]] constexpr bool isVoxels(OutputFormat format) {
+    return format == OutputFormat::vox || format == OutputFormat::nrrd;
+}
 
 struct ConversionOptions {
     InputOptions input = {};

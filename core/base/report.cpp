@@ -45,12 +45,40 @@ Json toJson(const EnergyReport& energy) {
             {"total", energy.total()}};
 }
 
-Json toJson(const OutputReport& output) {
-    Json json = {{"media_type", output.mediaType},
-                 {"parts", output.parts},
-                 {"vertices", output.vertices},
-                 {"triangles", output.triangles}};
+Json toJson(const OutputReport& output, bool mesh) {
+    Json json = {{"media_type", output.mediaType}};
+    if (mesh) {
+        json["parts"] = output.parts;
+        json["vertices"] = output.vertices;
+        json["triangles"] = output.triangles;
+    }
     if (output.bytes) json["bytes"] = *output.bytes;
+    return json;
+}
+
+Json toJson(const VoxelReport::Topology& topology) {
+    return {{"components", topology.components},
+            {"tunnels", topology.tunnels},
+            {"cavities", topology.cavities}};
+}
+
+Json toJson(const VoxelReport& voxels, const InputReport& input) {
+    Json json = {{"dims", voxels.dims},
+                 {"voxels", voxels.voxels},
+                 {"scale", voxels.scale},
+                 {"samples_per_voxel", voxels.samplesEach},
+                 {"folded_samples", voxels.folded},
+                 {"colors", voxels.colors},
+                 {"models", voxels.models}};
+    if (voxels.paletteError)
+        json["palette_error"] = {{"max", voxels.paletteError->max},
+                                 {"mean", voxels.paletteError->mean}};
+    if (voxels.topology.empty()) return json;
+    json["rescued_voxels"] = voxels.rescued;
+    json["topology"] = Json::object();
+    for (std::size_t i = 0; i < voxels.topology.size(); ++i)
+        json["topology"][input.labels[i].name] = {{"before", toJson(voxels.topology[i].before)},
+                                                  {"after", toJson(voxels.topology[i].after)}};
     return json;
 }
 
@@ -114,7 +142,8 @@ Json toJson(const ConversionReport& report) {
         {"closed", byLabel(report, report.output.closed)},
         {"open_at_border", byLabel(report, report.output.openAtBorder)},
         {"guarantees", toJson(guaranteesOf(report))},
-        {"output", toJson(report.output)}};
+        {"output", toJson(report.output, !report.voxels)}};
+    if (report.voxels) json["voxels"] = toJson(*report.voxels, report.input);
     if (report.milliseconds) {
         double total = 0;
         for (std::size_t i = 0; i < kStageCount; ++i) {

@@ -72,7 +72,7 @@ struct SolveReport {
 
 struct OutputReport {
     std::string mediaType;
-    std::uint64_t vertices = 0;
+    std::uint64_t vertices = 0;  ///< of a mesh, as are triangles and parts
     std::uint64_t triangles = 0;
     std::uint64_t parts = 0;
     std::optional<std::uint64_t> bytes;  ///< unknown inside the artifact itself
@@ -82,12 +82,41 @@ struct OutputReport {
     std::vector<bool> openAtBorder;
 };
 
+/// The model as voxels at another resolution.
+struct VoxelReport {
+    std::array<int, 3> dims{};
+    std::uint64_t voxels = 0;       ///< not empty
+    std::string scale;              ///< "3", "1/2"
+    std::uint64_t folded = 0;       ///< samples where the surface is folded over: a vote decided
+    std::uint64_t samplesEach = 1;  ///< samples that decide on one voxel
+    std::uint64_t rescued = 0;      ///< voxels of thin parts that the majority would have lost
+    std::uint64_t colors = 0;       ///< palette entries in use, or labels
+    std::uint64_t models = 1;       ///< tiles of a .vox
+    /// Colours that had to be joined: how far voxels are from theirs, OKLab distance.
+    struct PaletteError {
+        double max = 0;
+        double mean = 0;
+    };
+    std::optional<PaletteError> paletteError;
+    struct Topology {
+        std::uint64_t components = 0;  ///< joined by faces, edges or corners of voxels
+        std::uint64_t tunnels = 0;
+        std::uint64_t cavities = 0;
+    };
+    struct LabelTopology {
+        Topology before;  ///< of the input
+        Topology after;
+    };
+    std::vector<LabelTopology> topology;  ///< label 1 first; of coarser results only
+};
+
 struct ConversionReport {
     InputReport input;
     SurfaceReport surface;
     nlohmann::ordered_json options;  ///< the options in force, filled in by the caller
     SolveReport solve;
     OutputReport output;
+    std::optional<VoxelReport> voxels;  ///< of the voxel outputs only
     /// Wall time by stage; measured by the caller, so that core reads no clock; never in the
     /// artifact, whose bytes must not depend on time.
     std::optional<std::array<double, kStageCount>> milliseconds;
