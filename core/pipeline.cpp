@@ -21,11 +21,15 @@
 #include "core/solve/minimize.h"
 #include "core/surface/digital_surface.h"
 #include "core/surface/split_umbrellas.h"
+#include "core/voxel_output.h"
 
 namespace rivage::core {
 namespace {
 
 constexpr const char* kGlb = "model/gltf-binary";
+// Neither format has a registered type; the names say more than application/octet-stream would.
+constexpr const char* kVox = "application/x-magicavoxel";
+constexpr const char* kNrrd = "application/x-nrrd";
 
 /// A merged grid with what the report says about where it came from.
 struct Input {
@@ -96,11 +100,17 @@ std::optional<Error> aboveBudget(const VoxelGrid& grid, const SurfaceSize& size,
         "--memory-budget"};
 }
 
-Result<SurfaceSize> checkSize(const VoxelGrid& grid, const RunContext& run) {
+/// @param output  none: nothing is written
+Result<SurfaceSize> checkSize(const VoxelGrid& grid, const OutputOptions* output,
+                              const RunContext& run) {
     if (const auto error = aboveBudget(grid, {}, run.limits)) return fail(*error);
     const auto size = countSurface(grid, run);
     if (!size) return size;
     if (const auto error = aboveBudget(grid, *size, run.limits)) return fail(*error);
+    if (!output || !isVoxels(output->format)) return size;
+    const auto fits =
+        checkVoxelOutput(grid, {size->surfels, predictMemory(grid, *size)}, *output, run);
+    if (!fits) return fail(fits.error());
     return size;
 }
 
@@ -137,7 +147,7 @@ struct LinkedSurface {
 Result<LinkedSurface> makeSurface(const VoxelGrid& grid, const ConversionOptions& options,
                                   const RunContext& run, ConversionReport& report) {
     run.report(Stage::surface, 0);
-    if (const auto size = checkSize(grid, run); !size) return fail(size.error());
+    if (const auto size = checkSize(grid, &options.output, run); !size) return fail(size.error());
     auto surface = extractSurface(grid, run);
     if (!surface) return fail(surface.error());
     if (surface->surfelCount() == 0)
@@ -254,8 +264,44 @@ Result<std::vector<std::byte>> writeMesh(const Mesh& mesh, const OutputOptions& 
     switch (options.format) {
         case OutputFormat::glb: return writeGlb(mesh, options, toJson(report), run);
         case OutputFormat::obj: return writeObj(mesh, options, run);
+        case OutputFormat::vox:
+        case OutputFormat::nrrd: break;
     }
     return fail(ErrorCode::internal, "unknown output format");
+}
+
+/// Fills in what the artifact is, but for its bytes, which it returns.
+Result<std::vector<std::byte>> makeMesh(const VoxelGrid& grid, const LinkedSurface& made,
+                                        const PointelVectors& positions,
+                                        const OutputOptions& options, const RunContext& run,
+                                        Artifact& artifact) {
+    run.report(Stage::mesh, 0);
+    const auto mesh = buildMesh(grid, made.surface, made.links, positions, options, run);
+    if (!mesh) return fail(mesh.error());
+    const bool glb = options.format == OutputFormat::glb;
+    artifact.mediaType = glb ? kGlb : "model/obj";
+    artifact.extension = glb ? "glb" : "obj";
+    artifact.report.output = {.mediaType = artifact.mediaType,
+                              .vertices = vertexCount(*mesh),
+                              .triangles = triangleCount(*mesh),
+                              .parts = mesh->parts.size()};
+    describe(labelClosures(grid, made.surface, run), artifact.report.output);
+    if (run.stopped()) return fail(run.stopError());
+    return writeMesh(*mesh, options, artifact.report, run);
+}
+
+/// As `makeMesh`, for the voxel outputs.
+Result<std::vector<std::byte>> makeVoxels(const VoxelGrid& grid, const DigitalSurface& surface,
+                                          const PointelVectors& positions,
+                                          const OutputOptions& options, const RunContext& run,
+                                          Artifact& artifact) {
+    const bool vox = options.format == OutputFormat::vox;
+    artifact.mediaType = vox ? kVox : kNrrd;
+    artifact.extension = vox ? "vox" : "nrrd";
+    artifact.report.output = {.mediaType = artifact.mediaType};
+    describe(labelClosures(grid, surface, run), artifact.report.output);
+    if (run.stopped()) return fail(run.stopError());
+    return writeVoxels(grid, surface, positions, options, run, artifact.report);
 }
 
 std::string colorText(const Rgba8& color) {
@@ -280,25 +326,14 @@ Result<Artifact> convert(std::span<const std::byte> input, const ConversionOptio
 
     auto made = makeSurface(grid, options, run, report);
     if (!made) return fail(made.error());
-    const auto& [surface, links] = *made;
+    const DigitalSurface& surface = made->surface;
 
     const auto positions = regularize(grid, *made, options, run, report);
     if (!positions) return fail(positions.error());
 
-    run.report(Stage::mesh, 0);
-    const auto mesh = buildMesh(grid, surface, links, *positions, options.output, run);
-    if (!mesh) return fail(mesh.error());
-    const bool glb = options.output.format == OutputFormat::glb;
-    artifact.mediaType = glb ? kGlb : "model/obj";
-    artifact.extension = glb ? "glb" : "obj";
-    report.output = {.mediaType = artifact.mediaType,
-                     .vertices = vertexCount(*mesh),
-                     .triangles = triangleCount(*mesh),
-                     .parts = mesh->parts.size()};
-    describe(labelClosures(grid, surface, run), report.output);
-    if (run.stopped()) return fail(run.stopError());
-
-    auto bytes = writeMesh(*mesh, options.output, report, run);
+    auto bytes = isVoxels(options.output.format)
+                     ? makeVoxels(grid, surface, *positions, options.output, run, artifact)
+                     : makeMesh(grid, *made, *positions, options.output, run, artifact);
     if (!bytes) return fail(bytes.error());
     artifact.bytes = *std::move(bytes);
     report.output.bytes = artifact.bytes.size();
@@ -312,7 +347,7 @@ Result<Inspection> inspect(std::span<const std::byte> input, const InputOptions&
     if (!read) return fail(read.error());
     const VoxelGrid& grid = read->grid;
     run.report(Stage::surface, 0);
-    const auto size = checkSize(grid, run);
+    const auto size = checkSize(grid, nullptr, run);
     if (!size) return fail(size.error());
 
     Inspection inspection;

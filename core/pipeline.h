@@ -15,14 +15,15 @@ namespace rivage::core {
 /// The bytes that a conversion returns, with what there is to say about them.
 struct Artifact {
     std::vector<std::byte> bytes;
-    std::string mediaType;  ///< "model/gltf-binary", "model/obj"
-    std::string extension;  ///< "glb", "obj"
+    std::string mediaType;  ///< "model/gltf-binary", "model/obj", ...
+    std::string extension;  ///< "glb", "obj", "vox", "nrrd"
     ConversionReport report;
 };
 
 /// The whole conversion: bytes of a grid in, bytes of an asset out.
 ///
-/// Scene -> VoxelGrid -> DigitalSurface -> normals -> positions -> Mesh -> artifact.
+/// Scene -> VoxelGrid -> DigitalSurface -> normals -> positions -> Mesh -> artifact, or
+/// ... -> positions -> VoxelGrid at another resolution -> artifact.
 /// @param optionsEcho  the options as the caller knows them, put into the report
 /// @return  the same bytes for the same input and options, for any number of threads
 /// @errors  every code of the stages; cancelled or timedOut if `run` asks to stop
