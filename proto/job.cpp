@@ -117,7 +117,11 @@ Json describeFormats() {
         {"output",
          {format("glb", "model/gltf-binary", "glb",
                  "binary glTF 2.0, compressed with Draco unless compression=none"),
-          format("obj", "model/obj", "obj", "Wavefront OBJ with quads")}},
+          format("obj", "model/obj", "obj", "Wavefront OBJ with quads"),
+          format("vox", "application/x-magicavoxel", "vox",
+                 "MagicaVoxel 200: the smooth model as voxels, see scale"),
+          format("nrrd", "application/x-nrrd", "nrrd",
+                 "NRRD labels with the segments of 3D Slicer; name it .seg.nrrd for that")}},
     };
 }
 

@@ -25,6 +25,8 @@ bool isDraco(const ConversionOptions& options) {
            options.output.compression == core::Compression::draco;
 }
 
+bool isMesh(const ConversionOptions& options) { return !core::isVoxels(options.output.format); }
+
 Option dimsOption() {
     return {{"dims",
              "input",
@@ -47,6 +49,25 @@ Json labelMapJson(const std::vector<core::LabelRule>& rules) {
     for (const core::LabelRule& rule : rules)
         map[rule.name] = rule.rest ? Json("*") : Json(rule.values);
     return map;
+}
+
+Option scaleOption() {
+    return {{"scale",
+             "output",
+             OptionType::ratio,
+             {},
+             1.0 / core::kMaxScale,
+             core::kMaxScale,
+             "Voxels of the result for one of the input along each axis: 3 is finer, 1/2 is "
+             "coarser."},
+            [](JobOptions& options, const OptionValue& value) {
+                options.conversion.output.scale = std::get<core::Scale>(value);
+            },
+            [](const JobOptions& options) -> Json {
+                const core::Scale& scale = options.conversion.output.scale;
+                if (scale.down == 1) return scale.up;
+                return std::to_string(scale.up) + "/" + std::to_string(scale.down);
+            }};
 }
 
 Option labelsOption() {
@@ -279,33 +300,63 @@ void addSolve(std::vector<Option>& table) {
                          solve(&core::SolveOptions::untangle)));
 }
 
+void addPlacement(std::vector<Option>& table) {
+    const auto output = [](auto member) {
+        return [member](ConversionOptions & o) -> auto& { return o.output.*member; };
+    };
+    using core::OutputOptions;
+    // A .vox knows no metres; an NRRD file says which way its axes point.
+    const std::string placed = "output other than vox";
+    const auto isPlaced = [](const ConversionOptions& options) {
+        return options.output.format != core::OutputFormat::vox;
+    };
+    table.push_back(onlyWith(placed,
+                             number("voxel_size", "output", {1e-6, 1e6},
+                                    "Side of a voxel in metres, the shortest with spacing.",
+                                    output(&OutputOptions::voxelSize)),
+                             isPlaced));
+    table.push_back(onlyWith(placed,
+                             choice("pivot", "output", {"bottom", "center", "corner", "world"},
+                                    "Where the origin lies: under the middle, in the middle, in "
+                                    "the low corner, or where the scene has it.",
+                                    output(&OutputOptions::pivot)),
+                             isPlaced));
+    table.push_back(onlyWith("output=glb or output=obj",
+                             choice("up", "output", {"y", "z"},
+                                    "The axis that points up in the result; the grid's is z.",
+                                    output(&OutputOptions::up)),
+                             isMesh));
+}
+
 void addOutput(std::vector<Option>& table) {
     const auto output = [](auto member) {
         return [member](ConversionOptions & o) -> auto& { return o.output.*member; };
     };
     using core::OutputOptions;
-    table.push_back(choice("output", "output", {"glb", "obj"}, "Format of the result.",
+    const std::string mesh = "output=glb or output=obj";
+    table.push_back(choice("output", "output", {"glb", "obj", "vox", "nrrd"},
+                           "Format of the result: a mesh, or voxels of the smooth model.",
                            output(&OutputOptions::format)));
-    table.push_back(choice("parts", "output", {"exterior", "interfaces"},
-                           "Meshes: the faces against the background, or one mesh for every two "
-                           "regions that touch.",
-                           output(&OutputOptions::parts)));
-    table.push_back(choice("colors", "output", {"voxel", "label", "none"},
-                           "Colours: exact per voxel face, one for each region, or none.",
-                           output(&OutputOptions::colors)));
-    table.push_back(choice("shading", "output", {"smooth", "crease", "flat"},
-                           "Vertex normals: smooth, smooth but for sharp edges, or one per face.",
-                           output(&OutputOptions::shading)));
-    table.push_back(number("voxel_size", "output", {1e-6, 1e6},
-                           "Side of a voxel in metres, the shortest with spacing.",
-                           output(&OutputOptions::voxelSize)));
-    table.push_back(choice("pivot", "output", {"bottom", "center", "corner", "world"},
-                           "Where the origin lies: under the middle, in the middle, in the low "
-                           "corner, or where the scene has it.",
-                           output(&OutputOptions::pivot)));
-    table.push_back(choice("up", "output", {"y", "z"},
-                           "The axis that points up in the result; the grid's is z.",
-                           output(&OutputOptions::up)));
+    table.push_back(onlyWith("output=vox or output=nrrd", scaleOption(),
+                             [](const ConversionOptions& options) { return !isMesh(options); }));
+    table.push_back(onlyWith(mesh,
+                             choice("parts", "output", {"exterior", "interfaces"},
+                                    "Meshes: the faces against the background, or one mesh for "
+                                    "every two regions that touch.",
+                                    output(&OutputOptions::parts)),
+                             isMesh));
+    table.push_back(onlyWith(mesh,
+                             choice("colors", "output", {"voxel", "label", "none"},
+                                    "Colours: exact per voxel face, one for each region, or none.",
+                                    output(&OutputOptions::colors)),
+                             isMesh));
+    table.push_back(
+        onlyWith(mesh,
+                 choice("shading", "output", {"smooth", "crease", "flat"},
+                        "Vertex normals: smooth, smooth but for sharp edges, or one per face.",
+                        output(&OutputOptions::shading)),
+                 isMesh));
+    addPlacement(table);
 }
 
 void addCompression(std::vector<Option>& table) {
@@ -316,7 +367,8 @@ void addCompression(std::vector<Option>& table) {
     const std::string draco = "output=glb and compression=draco";
     table.push_back(onlyWith("output=glb",
                              choice("compression", "output", {"draco", "none"},
-                                    "Compression of a GLB.", output(&OutputOptions::compression)),
+                                    "Compression of a GLB; none leaves an NRRD file unpacked too.",
+                                    output(&OutputOptions::compression)),
                              [](const ConversionOptions& options) {
                                  return options.output.format == core::OutputFormat::glb ||
                                         options.output.compression == core::Compression::none;

@@ -14,7 +14,7 @@ struct Word {
     std::size_t index = 0;
 };
 using OptionValue = std::variant<Word, bool, double, core::Vec3i, std::vector<core::LabelRule>,
-                                 core::Vec3d, std::vector<core::RegionWeights>>;
+                                 core::Vec3d, std::vector<core::RegionWeights>, core::Scale>;
 
 struct Option {
     OptionInfo info;

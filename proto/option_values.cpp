@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "proto/option_table.h"
@@ -128,6 +129,25 @@ std::optional<Vec3d> readJsonSpacing(const OptionInfo& info, const Json& value) 
     return isSpacing(info, sides) ? std::optional(sides) : std::nullopt;
 }
 
+/// A fraction as "3" or "1/2", made as small as it goes.
+std::optional<core::Scale> readRatio(std::string_view text) {
+    const std::size_t slash = text.find('/');
+    const auto up = readNumber<int>(text.substr(0, slash));
+    const auto down = slash == std::string_view::npos ? std::optional(1)
+                                                      : readNumber<int>(text.substr(slash + 1));
+    if (!up || !down || *up < 1 || *down < 1) return std::nullopt;
+    const int common = std::gcd(*up, *down);
+    const core::Scale scale{*up / common, *down / common};
+    if (std::max(scale.up, scale.down) > core::kMaxScale) return std::nullopt;
+    return scale;
+}
+
+std::optional<core::Scale> readJsonRatio(const Json& value) {
+    if (value.is_string()) return readRatio(std::string_view(value.get_ref<const std::string&>()));
+    if (!value.is_number_integer()) return std::nullopt;
+    return readRatio(writeJson(value));
+}
+
 Result<RegionWeights> readRegion(const OptionInfo& info, const std::string& name,
                                  const Json& factors) {
     if (name.empty() || name.size() > kMaxLabelName)
@@ -230,6 +250,9 @@ std::string allowedValues(const OptionInfo& info) {
         case OptionType::weights:
             return "a map such as {\"sea\":{\"alpha\":10},\"*\":{\"gamma\":2}} with factors from " +
                    range;
+        case OptionType::ratio:
+            return "a fraction of numbers from 1 to " + std::to_string(core::kMaxScale) +
+                   " such as 3, 1/2 or 2/3";
     }
     return {};
 }
@@ -254,6 +277,9 @@ Result<OptionValue> parseValue(const OptionInfo& info, std::string_view text) {
             break;
         case OptionType::spacing:
             if (const auto sides = readSpacing(info, text)) return *sides;
+            break;
+        case OptionType::ratio:
+            if (const auto ratio = readRatio(text)) return *ratio;
             break;
         case OptionType::labels:
         case OptionType::weights:
@@ -291,6 +317,9 @@ Result<OptionValue> parseValue(const OptionInfo& info, const Json& value) {
             break;
         case OptionType::weights:
             if (value.is_object()) return readWeights(info, value);
+            break;
+        case OptionType::ratio:
+            if (const auto ratio = readJsonRatio(value)) return *ratio;
             break;
     }
     return refuse(info, shown(value));

@@ -102,6 +102,7 @@ const char* typeName(OptionType type) {
         case OptionType::labels: return "labels";
         case OptionType::spacing: return "spacing";
         case OptionType::weights: return "weights";
+        case OptionType::ratio: return "ratio";
     }
     return "";
 }

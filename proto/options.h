@@ -34,6 +34,7 @@ enum class OptionType : std::uint8_t {
     labels,   ///< one of `words`, or a map from names to lists of values or "*"
     spacing,  ///< three numbers, "1x1x2.5" or [1, 1, 2.5]
     weights,  ///< a map from names or "*" to factors of alpha, beta, gamma
+    ratio,    ///< a fraction, "3" or "1/2", or the number 3
 };
 
 /// What users need to know about one option.
