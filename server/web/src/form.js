@@ -66,12 +66,15 @@ export class OptionsForm {
         return typeof value === 'object' ? JSON.stringify(value) : String(value);
     }
 
-    // Whether an option that needs another one beside it ("format=raw") has an effect now.
+    // Whether an option that needs another one beside it has an effect now: "format=raw", or
+    // "output=vox or output=nrrd".
     applies(option) {
-        const match = /^(\w+)=([\w-]+)$/.exec(option.only_with ?? '');
-        const other = match && this.inputs.get(match[1]);
-        if (!other) return true;
-        return (other.input.value || this.defaultOf(other.option)) === match[2];
+        const matches = (option.only_with ?? '').split(' or ')
+            .map((text) => /^(\w+)=([\w-]+)$/.exec(text));
+        return matches.some((match) => {
+            const other = match && this.inputs.get(match[1]);
+            return !other || (other.input.value || this.defaultOf(other.option)) === match[2];
+        });
     }
 
     update() {

@@ -177,6 +177,7 @@ function voxelValues(values) {
         const group = form.inputs.get(name)?.option.group;
         if (group === 'input' || group === 'output') kept.set(name, value);
     }
+    kept.delete('scale');  // of voxel outputs only, and this is a mesh
     const still = {output: 'glb', alpha: '1000000', normals: 'trivial', displacement_limit: 'none',
         solver: 'pcg', untangle: 'false', shading: 'flat'};
     for (const [name, value] of Object.entries(still)) kept.set(name, value);

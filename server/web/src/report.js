@@ -71,6 +71,18 @@ function labelTable(report) {
     return table('Labels', ['', 'voxels', 'closed'], rows);
 }
 
+function voxelTable({dims, voxels, scale, colors, models, palette_error: error}) {
+    const rows = [
+        ['scale', scale],
+        ['size', dims.join(' x ')],
+        ['voxels', numbers.format(voxels)],
+        ['colours', numbers.format(colors)],
+        ['models', numbers.format(models)],
+    ];
+    if (error) rows.push(['colour error, mean', fine.format(error.mean)]);
+    return table('Result', null, rows);
+}
+
 export function showReport(target, report, times) {
     const {input, surface, energy, displacement, output} = report;
     const rows = (names) => names.map((name) =>
@@ -92,10 +104,13 @@ export function showReport(target, report, times) {
                 `${numbers.format(report.inverted_faces.after)} after`],
             ['solver', `${report.solver.name}, ${report.solver.iterations} iterations`],
             ['relative residual', report.solver.relative_residual.toExponential(1)],
-            ['vertices', numbers.format(output.vertices)],
-            ['triangles', numbers.format(output.triangles)],
+            ...(report.voxels ? [] : [
+                ['vertices', numbers.format(output.vertices)],
+                ['triangles', numbers.format(output.triangles)],
+            ]),
         ]),
     ];
+    if (report.voxels) parts.push(voxelTable(report.voxels));
     const measured = report.milliseconds ?? times;
     if (measured) parts.push(...stageTable(measured));
     if (report.warnings?.length) {
