@@ -114,6 +114,18 @@ std::string warningRows(const Json& object) {
     return rows;
 }
 
+/// What a result of voxels is.
+std::string voxelText(const Json& voxels) {
+    std::string text =
+        ", scale " + textOf(voxels, "scale") + ", " + dimsText(member(voxels, "dims")) + ", " +
+        countOf(voxels, "voxels", "voxel") + ", " + countOf(voxels, "colors", "colour") + ", " +
+        countOf(voxels, "models", "model");
+    if (const Json& error = member(voxels, "palette_error"); !error.empty())
+        text += ", colours off by " + number(numberOf(error, "mean")) + " on average, " +
+                number(numberOf(error, "max")) + " at most";
+    return text;
+}
+
 std::string valueText(const Json& value) {
     return value.is_string() ? value.get<std::string>() : proto::writeJson(value);
 }
@@ -143,9 +155,14 @@ std::string reportTable(const Json& report) {
                                     number(numberOf(displacement, "max")) + " max, in voxels");
     text += row("inverted", count(numberOf(inverted, "before")) + " faces before, " +
                                 count(numberOf(inverted, "after")) + " after repair");
-    std::string written = textOf(output, "media_type") + ", " + countOf(output, "parts", "part") +
-                          ", " + count(numberOf(output, "vertices")) + " vertices, " +
-                          countOf(output, "triangles", "triangle");
+    const Json& voxels = member(report, "voxels");
+    std::string written = textOf(output, "media_type");
+    if (voxels.empty())
+        written += ", " + countOf(output, "parts", "part") + ", " +
+                   count(numberOf(output, "vertices")) + " vertices, " +
+                   countOf(output, "triangles", "triangle");
+    else
+        written += voxelText(voxels);
     if (output.contains("bytes")) written += ", " + bytesText(numberOf(output, "bytes"));
     return text + row("output", written) + timeRow(member(report, "milliseconds")) +
            warningRows(report);

@@ -131,7 +131,7 @@ std::string placeOf(const Session& session, const std::string& id, const Json& j
     const auto options = job.find("options");
     const std::string format =
         options != job.end() && options->is_object() ? textOf(*options, "output") : std::string();
-    const std::string name = id + (format == "obj" ? ".obj" : ".glb");
+    const std::string name = id + "." + (format.empty() ? "glb" : format);
     return out.empty() ? name : (std::filesystem::path(out) / name).string();
 }
 
