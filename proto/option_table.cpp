@@ -300,32 +300,15 @@ void addSolve(std::vector<Option>& table) {
                          solve(&core::SolveOptions::untangle)));
 }
 
-void addPlacement(std::vector<Option>& table) {
-    const auto output = [](auto member) {
-        return [member](ConversionOptions & o) -> auto& { return o.output.*member; };
-    };
-    using core::OutputOptions;
-    // A .vox knows no metres; an NRRD file says which way its axes point.
-    const std::string placed = "output other than vox";
-    const auto isPlaced = [](const ConversionOptions& options) {
-        return options.output.format != core::OutputFormat::vox;
-    };
-    table.push_back(onlyWith(placed,
-                             number("voxel_size", "output", {1e-6, 1e6},
-                                    "Side of a voxel in metres, the shortest with spacing.",
-                                    output(&OutputOptions::voxelSize)),
-                             isPlaced));
-    table.push_back(onlyWith(placed,
-                             choice("pivot", "output", {"bottom", "center", "corner", "world"},
-                                    "Where the origin lies: under the middle, in the middle, in "
-                                    "the low corner, or where the scene has it.",
-                                    output(&OutputOptions::pivot)),
-                             isPlaced));
-    table.push_back(onlyWith("output=glb or output=obj",
-                             choice("up", "output", {"y", "z"},
-                                    "The axis that points up in the result; the grid's is z.",
-                                    output(&OutputOptions::up)),
-                             isMesh));
+Option meshOnly(Option option) {
+    return onlyWith("output=glb or output=obj", std::move(option), isMesh);
+}
+
+/// A .vox knows no metres; an NRRD file says itself which way its axes point.
+Option notOfVox(Option option) {
+    return onlyWith("output other than vox", std::move(option), [](const ConversionOptions& o) {
+        return o.output.format != core::OutputFormat::vox;
+    });
 }
 
 void addOutput(std::vector<Option>& table) {
@@ -333,30 +316,32 @@ void addOutput(std::vector<Option>& table) {
         return [member](ConversionOptions & o) -> auto& { return o.output.*member; };
     };
     using core::OutputOptions;
-    const std::string mesh = "output=glb or output=obj";
     table.push_back(choice("output", "output", {"glb", "obj", "vox", "nrrd"},
                            "Format of the result: a mesh, or voxels of the smooth model.",
                            output(&OutputOptions::format)));
     table.push_back(onlyWith("output=vox or output=nrrd", scaleOption(),
                              [](const ConversionOptions& options) { return !isMesh(options); }));
-    table.push_back(onlyWith(mesh,
-                             choice("parts", "output", {"exterior", "interfaces"},
+    table.push_back(meshOnly(choice("parts", "output", {"exterior", "interfaces"},
                                     "Meshes: the faces against the background, or one mesh for "
                                     "every two regions that touch.",
-                                    output(&OutputOptions::parts)),
-                             isMesh));
-    table.push_back(onlyWith(mesh,
-                             choice("colors", "output", {"voxel", "label", "none"},
+                                    output(&OutputOptions::parts))));
+    table.push_back(meshOnly(choice("colors", "output", {"voxel", "label", "none"},
                                     "Colours: exact per voxel face, one for each region, or none.",
-                                    output(&OutputOptions::colors)),
-                             isMesh));
+                                    output(&OutputOptions::colors))));
     table.push_back(
-        onlyWith(mesh,
-                 choice("shading", "output", {"smooth", "crease", "flat"},
+        meshOnly(choice("shading", "output", {"smooth", "crease", "flat"},
                         "Vertex normals: smooth, smooth but for sharp edges, or one per face.",
-                        output(&OutputOptions::shading)),
-                 isMesh));
-    addPlacement(table);
+                        output(&OutputOptions::shading))));
+    table.push_back(notOfVox(number("voxel_size", "output", {1e-6, 1e6},
+                                    "Side of a voxel in metres, the shortest with spacing.",
+                                    output(&OutputOptions::voxelSize))));
+    table.push_back(notOfVox(choice("pivot", "output", {"bottom", "center", "corner", "world"},
+                                    "Where the origin lies: under the middle, in the middle, in "
+                                    "the low corner, or where the scene has it.",
+                                    output(&OutputOptions::pivot))));
+    table.push_back(meshOnly(choice("up", "output", {"y", "z"},
+                                    "The axis that points up in the result; the grid's is z.",
+                                    output(&OutputOptions::up))));
 }
 
 void addCompression(std::vector<Option>& table) {
