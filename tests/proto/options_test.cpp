@@ -303,6 +303,57 @@ TEST_CASE("reject: options without effect beside the others") {
     CHECK(parse({{"output", "obj"}}));
 }
 
+TEST_CASE("parseOptions: a scale as text and as JSON, made as small as it goes") {
+    const auto scaled = [](const std::string& scale) {
+        const auto options = parse({{"output", "vox"}, {"scale", scale}});
+        REQUIRE(options);
+        return options->conversion.output.scale;
+    };
+    CHECK(scaled("3") == core::Scale{3, 1});
+    CHECK(scaled("1/2") == core::Scale{1, 2});
+    CHECK(scaled("10/15") == core::Scale{2, 3});
+    CHECK(scaled("16/1") == core::Scale{16, 1});
+    CHECK(scaled("500/1000") == core::Scale{1, 2});
+    for (const char* json : {R"({"output":"nrrd","scale":"2/3"})", R"({"output":"nrrd","scale":4})"})
+        CHECK(parse({}, json));
+    CHECK(valueOf(*parse({{"output", "vox"}, {"scale", "6/2"}}), "scale") == 3);
+    CHECK(valueOf(*parse({{"output", "vox"}, {"scale", "2/6"}}), "scale") == "1/3");
+}
+
+TEST_CASE("reject: scales that are none, or out of range") {
+    for (const char* bad :
+         {"0", "-1", "1/0", "0/1", "0/0", "1e9", "17", "1/17", "7/1000000007", "1/2/3", "/", "1/",
+          "/2", "1/-2", "+2", "2.0", "0.5", "99999999999999999999", "1 /2", "2/", "NaN"}) {
+        CAPTURE(bad);
+        checkRefused(parse({{"output", "vox"}, {"scale", bad}}), ErrorCode::invalidOption,
+                     "/options/scale");
+    }
+    for (const char* bad : {"0", "-3", "17", "0.5", "1e9", "true", "[1,2]", "{}", "2.0",
+                            "18446744073709551615", "-9223372036854775808"}) {
+        CAPTURE(bad);
+        checkRefused(parse({}, std::string(R"({"output":"vox","scale":)") + bad + "}"),
+                     ErrorCode::invalidOption, "/options/scale");
+    }
+}
+
+TEST_CASE("reject: options of meshes beside voxels, and a scale beside a mesh") {
+    checkRefused(parse({{"scale", "2"}}), ErrorCode::invalidOption, "/options/scale");
+    checkRefused(parse({{"scale", "1"}, {"output", "obj"}}), ErrorCode::invalidOption,
+                 "/options/scale");
+    for (const char* output : {"vox", "nrrd"})
+        for (const auto& [name, value] : {std::pair("parts", "exterior"), {"colors", "voxel"},
+                                          {"shading", "flat"}, {"up", "y"},
+                                          {"compression", "draco"}, {"draco_speed", "5"}})
+            checkRefused(parse({{"output", output}, {name, value}}), ErrorCode::invalidOption,
+                         std::string("/options/") + name);
+    for (const auto& [name, value] : {std::pair("voxel_size", "0.2"), {"pivot", "corner"}}) {
+        CHECK(parse({{"output", "nrrd"}, {name, value}}));
+        checkRefused(parse({{"output", "vox"}, {name, value}}), ErrorCode::invalidOption,
+                     std::string("/options/") + name);
+    }
+    CHECK(parse({{"output", "nrrd"}, {"compression", "none"}}));
+}
+
 TEST_CASE("property: the effective options, given back, are the same options") {
     const std::vector<std::vector<OptionText>> cases{
         {},
@@ -311,6 +362,8 @@ TEST_CASE("property: the effective options, given back, are the same options") {
         {{"labels", R"({"sea":[12,13],"island":"*"})"}, {"output", "obj"}},
         {{"displacement_limit", "none"}, {"draco_position_bits", "12"}, {"alpha", "1e-7"}},
         {{"border", "open"}, {"spacing", "0.5x1x2"}, {"split", "false"}},
+        {{"output", "vox"}, {"scale", "3/2"}},
+        {{"output", "nrrd"}, {"scale", "1/2"}, {"compression", "none"}, {"pivot", "world"}},
         {{"weights", R"({"sea":{"alpha":10},"*":{"gamma":2}})"}},
         {{"hidden", "keep"},
          {"untangle", "false"},
