@@ -86,7 +86,9 @@ double majorityShare(const VoxelGrid& input, const VoxelGrid& fine, int factor) 
 
 /// Whether a .vox, read again, has the same voxels with the same colours.
 bool readsBack(const std::vector<std::byte>& bytes, const VoxelGrid& voxels) {
-    const auto scene = readScene(bytes, {}, {});
+    RunContext run;
+    run.limits.maxInputBytes = bytes.size();
+    const auto scene = readScene(bytes, {}, run);
     if (!scene) return false;
     const auto grid = mergeScene(*scene, {}, {});
     if (!grid || grid->voxels.countVoxels() != voxels.voxels.countVoxels()) return false;

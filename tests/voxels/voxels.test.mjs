@@ -25,7 +25,7 @@ function npy([nx, ny, nz], bytes, valueAt) {
 }
 
 /** Three regions: a long hill, a ball on it, the ground below. */
-const kSize = [62, 18, 14];
+const kSize = [62, 18, 13];
 function landscape(x, y, z) {
   if ((x - 50) ** 2 + (y - 9) ** 2 + (z - 8) ** 2 < 25) return 3;
   if (z < 2) return 1;
