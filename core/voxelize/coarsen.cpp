@@ -123,7 +123,8 @@ Result<VoxelGrid> coarsen(const VoxelGrid& grid, const NearestSurfel& nearest,
     report.rescued = keepThinParts(coarse, std::move(candidates), stand, run);
     if (run.stopped()) return fail(run.stopError());
     const SampleMaterials materials(grid, nearest);
-    if (!colorVoxels(grid, materials, columns, each, coarse, run)) return fail(run.stopError());
+    coarse.voxels = colorVoxels(grid, materials, columns, each, coarse, run);
+    if (run.stopped()) return fail(run.stopError());
     return coarse;
 }
 

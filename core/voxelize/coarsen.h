@@ -17,7 +17,7 @@ namespace rivage::core {
 /// Coarser voxels of a regularized model. Each takes the label that most of its samples have, on a
 /// tie a solid one. Parts that are thinner than that, but fill at least a third of their voxels,
 /// come back where otherwise a whole part of a label would be lost, or the end of one. The colour
-/// is the palette entry that most samples on visible voxels have, near ones counted together.
+/// is the palette entry that is seen most from outside, near ones counted together.
 /// @param columns  at the samples of `samplesFor`
 /// @param size     voxels of the result
 /// @param report   gets `samplesEach` and `rescued`

@@ -128,6 +128,13 @@ TEST_SUITE("core/voxelize") {
         const Coarse seen = coarser(moved(shell, 0), {1, 4});
         seen.grid.voxels.forEach([](const Vec3i&, MaterialId m) { CHECK(m == MaterialId{1}); });
         CHECK(seen.grid.voxels.countVoxels() == 8);
+
+        // A roof one voxel thick on a wall: the wall has more voxels, the roof more that is seen.
+        const VoxelGrid roof =
+            painted(makeGrid({12, 12, 4}, 2, [](const Vec3i& v) { return v.z() == 3 ? 1 : 2; }),
+                    {{200, 30, 20, 255}, {240, 230, 200, 255}});
+        const Coarse tiled = coarser(moved(roof, 0), {1, 4});
+        CHECK(tiled.grid.voxels.at({1, 1, 0}) == MaterialId{1});
     }
 
     TEST_CASE("determinism: threads 1, 2, 7 give the same voxels") {
