@@ -20,12 +20,13 @@ EnergyWeights EnergyWeights::uniform(const DigitalSurface& surface, const Energy
 }
 
 Energy::Energy(const DigitalSurface& surface, NormalField normals, EnergyWeights weights,
-               const EnergyOptions& options, const Workers& workers)
+               const EnergyOptions& options, const Workers& workers, RestShape rest)
     : surface_(surface),
       normals_(std::move(normals)),
       weights_(std::move(weights)),
       options_(options),
-      workers_(workers) {
+      workers_(workers),
+      rest_(std::move(rest)) {
     chooseFairnessNeighbours(options.junctionFairness);
     listIncidentCorners();
     if (options.fairness == Fairness::tangential) computeTangentialFairness();
@@ -95,9 +96,42 @@ void Energy::computeTangentialFairness() {
 PointelVectors Energy::restPositions() const {
     PointelVectors rest(size());
     parallelBlocks(size(), kBlock, workers_, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t n = begin; n < end; ++n) rest[pointel(n)] = surface_.position(pointel(n));
+        for (std::size_t n = begin; n < end; ++n) rest[pointel(n)] = restPosition(pointel(n));
     });
     return rest;
+}
+
+// How much edge k of a face rises along a direction at rest.
+double Energy::restRise(SurfelId s, std::size_t k, const Vec3d& normal) const {
+    const auto& corners = surface_.corners[s];
+    return (rest_.positions[corners[(k + 1) & 3U]] - rest_.positions[corners[k]]).dot(normal);
+}
+
+// The rest shape is at its minimum for its own normals, so only their change pulls.
+Vec3d Energy::shapeForce(PointelId i) const {
+    Vec3d force = Vec3d::Zero();
+    for (const std::uint32_t corner : incidentCorners(i)) {
+        const SurfelId s = surfel(corner / 4);
+        const std::size_t k = corner & 3U;
+        const Vec3d turned = normals_[s] - rest_.normals[s];
+        const double pull = restRise(s, k, turned) - restRise(s, (k + 3) & 3U, turned);
+        force += weights_.beta[s] * pull * normals_[s];
+    }
+    return force;
+}
+
+PointelVectors Energy::restForce() const {
+    const PointelVectors rest = restPositions();
+    PointelVectors force(size());
+    Scratch scratch;
+    if (!rest_.any()) apply(rest, force, scratch);
+    parallelBlocks(size(), kBlock, workers_, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n) {
+            const PointelId i = pointel(n);
+            force[i] = rest_.any() ? shapeForce(i) : weights_.alpha[i] * rest[i] - force[i];
+        }
+    });
+    return force;
 }
 
 Vec3d Energy::fromMean(const PointelVectors& x, PointelId i) const {
@@ -132,7 +166,7 @@ EnergyReport Energy::value(const PointelVectors& x) const {
         double sum = 0;
         for (std::size_t n = begin; n < end; ++n) {
             const PointelId i = pointel(n);
-            sum += weights_.alpha[i] * (x[i] - surface_.position(i)).squaredNorm();
+            sum += weights_.alpha[i] * (x[i] - restPosition(i)).squaredNorm();
         }
         return sum;
     });
@@ -141,8 +175,9 @@ EnergyReport Energy::value(const PointelVectors& x) const {
         for (std::size_t f = begin; f < end; ++f) {
             const SurfelId s = surfel(f);
             const auto& corners = surface_.corners[s];
-            for (int k = 0; k < 4; ++k) {
-                const double off = (x[corners[(k + 1) % 4]] - x[corners[k]]).dot(normals_[s]);
+            for (std::size_t k = 0; k < 4; ++k) {
+                double off = (x[corners[(k + 1) % 4]] - x[corners[k]]).dot(normals_[s]);
+                if (rest_.any()) off -= restRise(s, k, rest_.normals[s]);
                 sum += weights_.beta[s] * off * off;
             }
         }
@@ -153,7 +188,8 @@ EnergyReport Energy::value(const PointelVectors& x) const {
         double sum = 0;
         for (std::size_t n = begin; n < end; ++n) {
             if (inverseDegree_[pointel(n)] == 0) continue;
-            const Vec3d y = fromMean(x, pointel(n));
+            Vec3d y = fromMean(x, pointel(n));
+            if (rest_.any()) y -= fromMean(rest_.positions, pointel(n));
             sum += y.dot(applyFairness(pointel(n), y));
         }
         return sum;
@@ -207,11 +243,19 @@ void Energy::apply(const PointelVectors& x, PointelVectors& out, Scratch& scratc
 PointelVectors Energy::gradient(const PointelVectors& x) const {
     PointelVectors result;
     Scratch scratch;
-    apply(x, result, scratch);
+    PointelVectors moved = x;
+    PointelVectors force;
+    if (rest_.any()) {
+        force = restForce();
+        for (std::size_t n = 0; n < size(); ++n) moved[pointel(n)] -= rest_.positions[pointel(n)];
+    }
+    apply(moved, result, scratch);
     parallelBlocks(size(), kBlock, workers_, [&](std::size_t begin, std::size_t end) {
         for (std::size_t n = begin; n < end; ++n) {
             const PointelId i = pointel(n);
-            result[i] = 2 * (result[i] - weights_.alpha[i] * surface_.position(i));
+            const Vec3d pull =
+                rest_.any() ? force[i] : Vec3d(weights_.alpha[i] * surface_.position(i));
+            result[i] = 2 * (result[i] - pull);
         }
     });
     return result;

@@ -26,6 +26,14 @@ struct EnergyWeights {
     static EnergyWeights uniform(const DigitalSurface& surface, const EnergyOptions& options);
 };
 
+/// A surface that has its shape already and is to get relief: the energy then measures from it and
+/// not from the lattice, so that it vanishes where the normals are those of the shape.
+struct RestShape {
+    PointelVectors positions;  ///< voxel units
+    NormalField normals;       ///< of its faces, unit
+    [[nodiscard]] bool any() const { return !positions.empty(); }
+};
+
 /// The quadratic energy of all interfaces at once, as a matrix-free operator.
 ///
 ///     E(x) = sum_i alpha_i |x_i - p_i|^2
@@ -37,6 +45,9 @@ struct EnergyWeights {
 /// a corner, so that fairness does not shrink them. Fairness neighbours are all neighbours; with
 /// `JunctionFairness::curve` a pointel on a junction curve has only its two neighbours on it.
 ///
+/// With a rest shape, p are its positions and each term counts the change since then: edges the
+/// change of (x_a - x_b) . n_f from (p_a - p_b) . m_f with m_f its normals, fairness x - p.
+///
 /// Half the Hessian, H = A + L + B^T G B, is constant, symmetric and positive definite.
 /// @source [CGL18] equation (1); METHOD.md 2.2, 2.6, 2.7
 class Energy {
@@ -46,7 +57,7 @@ public:
     ///                 nothing meaningful any more, and soon
     /// @cost  O(pointels + surfels) time; about 150 bytes per pointel
     Energy(const DigitalSurface& surface, NormalField normals, EnergyWeights weights,
-           const EnergyOptions& options, const Workers& workers);
+           const EnergyOptions& options, const Workers& workers, RestShape rest = {});
 
     [[nodiscard]] const DigitalSurface& surface() const { return surface_; }
     [[nodiscard]] const EnergyWeights& weights() const { return weights_; }
@@ -71,8 +82,13 @@ public:
     /// G_i, 0 without fairness neighbours.
     [[nodiscard]] Mat3d fairnessBlock(PointelId i) const;
 
-    /// p: the lattice positions.
+    /// p: the lattice positions, or those of the rest shape.
     [[nodiscard]] PointelVectors restPositions() const;
+    [[nodiscard]] Vec3d restPosition(PointelId i) const {
+        return rest_.any() ? rest_.positions[i] : surface_.position(i);
+    }
+    /// Minus half the gradient at the rest positions.
+    [[nodiscard]] PointelVectors restForce() const;
     /// The energy by term.
     [[nodiscard]] EnergyReport value(const PointelVectors& x) const;
     /// out = H x, half the Hessian times x. `scratch` is resized as needed and may be reused.
@@ -81,7 +97,7 @@ public:
         PointelVectors fairnessTerms;
     };
     void apply(const PointelVectors& x, PointelVectors& out, Scratch& scratch) const;
-    /// The gradient, 2 (H x - A p).
+    /// The gradient, 2 (H x - A p) without a rest shape.
     [[nodiscard]] PointelVectors gradient(const PointelVectors& x) const;
     /// The 3x3 block of H on the diagonal of each pointel.
     [[nodiscard]] IdVector<PointelId, Mat3d> diagonalBlocks() const;
@@ -105,6 +121,8 @@ private:
     }
     [[nodiscard]] Vec3d fromMean(const PointelVectors& x, PointelId i) const;
     [[nodiscard]] Vec3d applyFairness(PointelId i, const Vec3d& y) const;
+    [[nodiscard]] double restRise(SurfelId s, std::size_t k, const Vec3d& normal) const;
+    [[nodiscard]] Vec3d shapeForce(PointelId i) const;
     [[nodiscard]] Mat3d alignmentBlock(PointelId i) const;
     [[nodiscard]] bool sharesFaces(PointelId i, PointelId neighbour) const;
     void chooseFairnessNeighbours(JunctionFairness rule);
@@ -116,6 +134,7 @@ private:
     EnergyWeights weights_;
     EnergyOptions options_;
     Workers workers_;
+    RestShape rest_;
     IdVector<PointelId, std::uint8_t> fairnessSlots_;
     IdVector<PointelId, double> inverseDegree_;  // 0 without fairness neighbours
     IdVector<PointelId, Mat3d> tangential_;      // G_i / gamma_i; empty with umbrella fairness

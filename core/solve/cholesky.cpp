@@ -106,16 +106,16 @@ private:
 
     void addColumns(std::size_t k, const Boxes& boxes, Sparse& matrix) const {
         const Column& column = columns_[k];
-        const Vec3d limit = boxes[order_[k]].limit;
+        const Box box = boxes[order_[k]];
         for (int c = 0; c < 3; ++c) {
             const auto at = static_cast<Eigen::Index>(3 * k) + c;
             matrix.startVec(at);
             for (std::size_t b = 0; b < column.ranks.size(); ++b) {
-                const Vec3d rowLimit = boxes[order_[column.ranks[b]]].limit;
+                const Box rowBox = boxes[order_[column.ranks[b]]];
                 for (int r = 0; r < 3; ++r) {
                     const auto row = static_cast<Eigen::Index>(3 * column.ranks[b]) + r;
                     if (row > at) continue;
-                    const bool moves = limit[c] > 0 && rowLimit[r] > 0;
+                    const bool moves = box.movable(c) && rowBox.movable(r);
                     const double held = row == at ? 1 : 0;
                     matrix.insertBack(row, at) = moves ? column.blocks[b](r, c) : held;
                 }
@@ -149,9 +149,10 @@ Result<Solution> solveCholesky(DisplacementSystem& system, const Boxes& boxes,
 
     Eigen::VectorXd right(static_cast<Eigen::Index>(3 * order.size()));
     for (std::size_t k = 0; k < order.size(); ++k) {
-        const Vec3d free = (boxes[order[k]].limit.array() > 0).cast<double>();
-        right.segment<3>(static_cast<Eigen::Index>(3 * k)) =
-            system.rightSide()[order[k]].cwiseProduct(free);
+        const Box box = boxes[order[k]];
+        for (int c = 0; c < 3; ++c)
+            right[static_cast<Eigen::Index>(3 * k) + c] =
+                box.movable(c) ? system.rightSide()[order[k]][c] : 0;
     }
     const Eigen::VectorXd solved = factor.solve(std::move(right));
     PointelVectors x = energy.restPositions();

@@ -6,12 +6,7 @@
 namespace rivage::core {
 
 DisplacementSystem::DisplacementSystem(const Energy& energy)
-    : energy_(energy), rightSide_(energy.size()) {
-    const PointelVectors rest = energy.restPositions();
-    apply(rest, rightSide_);
-    forEach(
-        [&](PointelId i) { rightSide_[i] = energy.weights().alpha[i] * rest[i] - rightSide_[i]; });
-}
+    : energy_(energy), rightSide_(energy.restForce()) {}
 
 void DisplacementSystem::gradient(const PointelVectors& d, PointelVectors& out) {
     apply(d, out);

@@ -8,7 +8,7 @@
 
 namespace rivage::core {
 
-/// H d = b for the displacement d = x - p: b = A p - H p, minus half the gradient at p.
+/// H d = b for the displacement d = x - p: b is minus half the gradient at p.
 class DisplacementSystem {
 public:
     explicit DisplacementSystem(const Energy& energy);

@@ -109,7 +109,7 @@ double rimResidual(const Energy& energy, const SubProblem& sub, const Boxes& box
     for (std::uint32_t i = 0; i < sub.original.size(); ++i) {
         if (sub.held[PointelId{i}] == 0) continue;
         const PointelId p = sub.original[i];
-        const Vec3d d = boxes[p].recover(positions[p], energy.surface().position(p));
+        const Vec3d d = boxes[p].recover(positions[p], energy.restPosition(p));
         squares += boxes[p].projectedGradient(d, gradient[p]).squaredNorm();
     }
     return std::sqrt(squares);

@@ -9,8 +9,10 @@
 namespace rivage::core {
 namespace {
 
-Result<SolverKind> chooseSolver(const Energy& energy, const SolveOptions& options, bool held) {
-    const bool boxed = options.displacementLimit.has_value();
+Result<SolverKind> chooseSolver(const Energy& energy, const SolveOptions& options,
+                                const Start& start) {
+    const bool boxed = options.displacementLimit.has_value() || start.rooms != nullptr;
+    const bool held = start.held != nullptr;
     if (options.solver == SolverKind::automatic)
         return boxed ? SolverKind::projected : SolverKind::multigrid;
     const bool linear = options.solver == SolverKind::pcg ||
@@ -34,13 +36,13 @@ Result<SolverKind> chooseSolver(const Energy& energy, const SolveOptions& option
 
 Result<Solution> minimize(const Energy& energy, const SolveOptions& options, const RunContext& run,
                           const Start& start, const Observer& observer) {
-    const auto solver = chooseSolver(energy, options, start.held != nullptr);
+    const auto solver = chooseSolver(energy, options, start);
     if (!solver) return fail(solver.error());
     if (observer) observer(0, start.positions ? *start.positions : energy.restPositions());
     StepWatch watch(observer, run);
     DisplacementSystem system(energy);
     if (run.stopped()) return fail(run.stopError());
-    const Boxes boxes(energy.surface(), options.displacementLimit, start.held);
+    const Boxes boxes(energy.surface(), options.displacementLimit, start.held, start.rooms);
     Result<Solution> solution;
     switch (*solver) {
         case SolverKind::automatic:

@@ -5,6 +5,7 @@
 
 #include "core/base/options.h"
 #include "core/energy/energy.h"
+#include "core/solve/box.h"
 
 namespace rivage::core {
 
@@ -21,6 +22,9 @@ struct Start {
     const PointelVectors* positions = nullptr;  ///< of an earlier solution, say
     /// 1 for the pointels that stay at their start; nullptr for none. Not for `cholesky`.
     const IdVector<PointelId, std::uint8_t>* held = nullptr;
+    /// How far each pointel may go, in place of the displacement limit; nullptr for that. Not for
+    /// `pcg`, `multigrid` and `cholesky`.
+    const IdVector<PointelId, Room>* rooms = nullptr;
 };
 
 /// Is given the positions at steps 0, 1, 4, 16, ... of a solver: 0 are the positions it begins at,

@@ -17,9 +17,9 @@ Refinement::Refinement(DisplacementSystem& system, const Boxes& boxes, const Poi
         return boxes_[i].projectedGradient(Vec3d::Zero(), down).squaredNorm();
     }));
     if (start == nullptr) return;
-    const DigitalSurface& surface = system.energy().surface();
+    const Energy& energy = system.energy();
     system.forEach(
-        [&](PointelId i) { d_[i] = boxes_[i].recover((*start)[i], surface.position(i)); });
+        [&](PointelId i) { d_[i] = boxes_[i].recover((*start)[i], energy.restPosition(i)); });
     // A part that rests at its minimum may still be pulled by what is held beside it.
     if (boxes.holds()) initial_ = std::max(initial_, measure());
 }
@@ -58,8 +58,8 @@ void Refinement::room(FloatVectors& lo, FloatVectors& hi) const {
         lo[i].lanes = hi[i].lanes = Lanes{};
         for (int k = 0; k < 3; ++k) {
             if (!box.movable(k)) continue;
-            lo[i].lanes[k] = -roundedDown(box.limit[k] + d_[i][k]);
-            hi[i].lanes[k] = roundedDown(box.limit[k] - d_[i][k]);
+            lo[i].lanes[k] = -roundedDown(d_[i][k] - box.low[k]);
+            hi[i].lanes[k] = roundedDown(box.high[k] - d_[i][k]);
         }
     });
 }
@@ -79,9 +79,9 @@ void Refinement::add(const FloatVectors& correction) {
             const float e = correction[i].lanes[k];
             const double moved = d_[i][k] + static_cast<double>(e);
             // A side as float arithmetic saw it is the side.
-            const bool high = e >= roundedDown(box.limit[k] - d_[i][k]);
-            const bool low = e <= -roundedDown(box.limit[k] + d_[i][k]);
-            d_[i][k] = high ? box.limit[k] : low ? -box.limit[k] : moved;
+            const bool high = e >= roundedDown(box.high[k] - d_[i][k]);
+            const bool low = e <= -roundedDown(d_[i][k] - box.low[k]);
+            d_[i][k] = high ? box.high[k] : low ? box.low[k] : moved;
         }
     });
 }
