@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/base/parallel.h"
+#include "core/emboss/emboss.h"
 #include "core/energy/energy.h"
 #include "core/energy/weights.h"
 #include "core/formats/read_scene.h"
@@ -72,10 +73,21 @@ Result<Input> readGrid(std::span<const std::byte> bytes, const InputOptions& opt
     return Input{*std::move(grid), std::move(report), std::move(scene->warnings)};
 }
 
+/// What the pieces of an embossed surface add at their peak, above.
+std::uint64_t embossMemory(const SurfaceSize& size, const EmbossOptions& emboss) {
+    constexpr std::uint64_t kBytesPerSolvedPiece = 1200;
+    constexpr std::uint64_t kBytesPerMovedPiece = 600;
+    if (emboss.rules.empty()) return 0;
+    const bool solved = emboss.method == EmbossMethod::normals;
+    return (solved ? kBytesPerSolvedPiece : kBytesPerMovedPiece) * size.surfels *
+           static_cast<std::uint64_t>(emboss.detail * emboss.detail);
+}
+
 /// Peak memory of a conversion, from its counts: the surface, the energy, the solver with the most
 /// vectors, the mesh and the artifact. Measured peaks are 450 (noise) to 1060 bytes a surfel (voxel
 /// art).
-std::uint64_t predictMemory(const VoxelGrid& grid, const SurfaceSize& size) {
+std::uint64_t predictMemory(const VoxelGrid& grid, const SurfaceSize& size,
+                            const EmbossOptions& emboss = {}) {
     constexpr std::uint64_t kBytesPerSurfel = 1200;
     constexpr std::uint64_t kFixed = 16ULL << 20;
     // Extraction counts the cells of each row of pointels, empty or not.
@@ -83,12 +95,12 @@ std::uint64_t predictMemory(const VoxelGrid& grid, const SurfaceSize& size) {
     const Vec3i& dims = grid.voxels.size();
     const std::uint64_t rows = (dims.y() + std::uint64_t{1}) * (dims.z() + std::uint64_t{1});
     return kFixed + grid.voxels.memoryBytes() + kBytesPerRow * rows +
-           kBytesPerSurfel * size.surfels;
+           kBytesPerSurfel * size.surfels + embossMemory(size, emboss);
 }
 
 std::optional<Error> aboveBudget(const VoxelGrid& grid, const SurfaceSize& size,
-                                 const Limits& limits) {
-    const std::uint64_t memory = predictMemory(grid, size);
+                                 const EmbossOptions& emboss, const Limits& limits) {
+    const std::uint64_t memory = predictMemory(grid, size, emboss);
     if (memory <= limits.maxMemory) return std::nullopt;
     return Error{
         ErrorCode::memoryBudget,
@@ -100,16 +112,17 @@ std::optional<Error> aboveBudget(const VoxelGrid& grid, const SurfaceSize& size,
         "--memory-budget"};
 }
 
-/// @param output  none: nothing is written
-Result<SurfaceSize> checkSize(const VoxelGrid& grid, const OutputOptions* output,
+/// @param options  none: nothing is written
+Result<SurfaceSize> checkSize(const VoxelGrid& grid, const ConversionOptions* options,
                               const RunContext& run) {
-    if (const auto error = aboveBudget(grid, {}, run.limits)) return fail(*error);
+    const EmbossOptions emboss = options ? options->emboss : EmbossOptions{};
+    if (const auto error = aboveBudget(grid, {}, emboss, run.limits)) return fail(*error);
     const auto size = countSurface(grid, run);
     if (!size) return size;
-    if (const auto error = aboveBudget(grid, *size, run.limits)) return fail(*error);
-    if (!output || !isVoxels(output->format)) return size;
+    if (const auto error = aboveBudget(grid, *size, emboss, run.limits)) return fail(*error);
+    if (!options || !isVoxels(options->output.format)) return size;
     const auto fits =
-        checkVoxelOutput(grid, {size->surfels, predictMemory(grid, *size)}, *output, run);
+        checkVoxelOutput(grid, {size->surfels, predictMemory(grid, *size)}, options->output, run);
     if (!fits) return fail(fits.error());
     return size;
 }
@@ -147,7 +160,7 @@ struct LinkedSurface {
 Result<LinkedSurface> makeSurface(const VoxelGrid& grid, const ConversionOptions& options,
                                   const RunContext& run, ConversionReport& report) {
     run.report(Stage::surface, 0);
-    if (const auto size = checkSize(grid, &options.output, run); !size) return fail(size.error());
+    if (const auto size = checkSize(grid, &options, run); !size) return fail(size.error());
     auto surface = extractSurface(grid, run);
     if (!surface) return fail(surface.error());
     if (surface->surfelCount() == 0)
@@ -212,10 +225,16 @@ Observer watcher(const VoxelGrid& grid, const LinkedSurface& made, const Energy&
     };
 }
 
-/// Normals, energy, minimizer and untangling: the positions of the pointels.
-Result<PointelVectors> regularize(const VoxelGrid& grid, const LinkedSurface& made,
-                                  const ConversionOptions& conversion, const RunContext& run,
-                                  ConversionReport& report) {
+/// Where the pointels have moved to, and the normals of the surfels that led them there.
+struct Regularized {
+    PointelVectors positions;
+    NormalField normals;  ///< only if there is relief to be made
+};
+
+/// Normals, energy, minimizer and untangling.
+Result<Regularized> regularize(const VoxelGrid& grid, const LinkedSurface& made,
+                               const ConversionOptions& conversion, const RunContext& run,
+                               ConversionReport& report) {
     const DigitalSurface& surface = made.surface;
     const SurfelLinks& links = made.links;
     const MethodOptions& options = conversion.method;
@@ -255,7 +274,46 @@ Result<PointelVectors> regularize(const VoxelGrid& grid, const LinkedSurface& ma
     solve.after = energy.value(positions);
     measureDisplacement(surface, positions, run, solve);
     if (run.stopped()) return fail(run.stopError());
-    return std::move(positions);
+    return Regularized{std::move(positions),
+                       conversion.emboss.rules.empty() ? NormalField() : energy.normals()};
+}
+
+void measureRelief(const RefinedSurface& refined, const PointelVectors& positions,
+                   const RunContext& run, EmbossReport& report) {
+    const Vec3d sides = refined.surface.spacing * refined.detail;
+    double squares = 0;
+    std::size_t moved = 0;
+    serialFor(positions.size(), run, [&](std::size_t i) {
+        const PointelId p{static_cast<std::uint32_t>(i)};
+        const Vec3d relief = positions[p] - refined.rest[p];
+        const Vec3d whole = (positions[p] - refined.surface.position(p)).cwiseQuotient(sides);
+        moved += relief.isZero(0) ? 0 : 1;
+        squares += relief.squaredNorm();
+        report.reliefMax = std::max(report.reliefMax, relief.cwiseAbs().maxCoeff());
+        report.displacementMax = std::max(report.displacementMax, whole.cwiseAbs().maxCoeff());
+    });
+    if (moved > 0) report.reliefRms = std::sqrt(squares / static_cast<double>(moved));
+}
+
+/// The surface with relief in place of the one without.
+Result<LinkedSurface> addRelief(const VoxelGrid& grid, LinkedSurface made, Regularized& moved,
+                                const ConversionOptions& options, const RunContext& run,
+                                ConversionReport& report) {
+    run.report(Stage::emboss, 0);
+    auto embossed =
+        emboss({grid, made.surface, made.links, moved.normals, moved.positions}, options, run);
+    if (!embossed) return fail(embossed.error());
+    made = {};
+    RefinedSurface& refined = embossed->refined;
+    PointelVectors& positions = embossed->positions;
+    if (options.method.solve.untangle) untangle(refined.surface, positions, run, &refined.rest);
+    EmbossReport& relief = report.emboss.emplace(std::move(embossed->report));
+    relief.invertedAfter = invertedFaces(refined.surface, positions, run).size();
+    relief.crossingAfter = crossingFaces(refined.surface, positions, run).size();
+    measureRelief(refined, positions, run, relief);
+    if (run.stopped()) return fail(run.stopError());
+    moved = {std::move(positions), {}};
+    return LinkedSurface{std::move(refined.surface), std::move(refined.links)};
 }
 
 Result<std::vector<std::byte>> writeMesh(const Mesh& mesh, const OutputOptions& options,
@@ -326,14 +384,17 @@ Result<Artifact> convert(std::span<const std::byte> input, const ConversionOptio
 
     auto made = makeSurface(grid, options, run, report);
     if (!made) return fail(made.error());
-    const DigitalSurface& surface = made->surface;
+    auto moved = regularize(grid, *made, options, run, report);
+    if (!moved) return fail(moved.error());
+    if (!options.emboss.rules.empty()) {
+        made = addRelief(grid, *std::move(made), *moved, options, run, report);
+        if (!made) return fail(made.error());
+    }
 
-    const auto positions = regularize(grid, *made, options, run, report);
-    if (!positions) return fail(positions.error());
-
-    auto bytes = isVoxels(options.output.format)
-                     ? makeVoxels(grid, surface, *positions, options.output, run, artifact)
-                     : makeMesh(grid, *made, *positions, options.output, run, artifact);
+    auto bytes =
+        isVoxels(options.output.format)
+            ? makeVoxels(grid, made->surface, moved->positions, options.output, run, artifact)
+            : makeMesh(grid, *made, moved->positions, options.output, run, artifact);
     if (!bytes) return fail(bytes.error());
     artifact.bytes = *std::move(bytes);
     report.output.bytes = artifact.bytes.size();

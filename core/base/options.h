@@ -114,6 +114,34 @@ struct MethodOptions {
 /// @source METHOD.md section 8; [CGL18] for `paper`
 [[nodiscard]] MethodOptions presetOptions(Preset preset);
 
+/// The height tiles that the project makes itself; `own` has the heights of the caller.
+enum class TileKind : std::uint8_t { own, brick, planks, shingles, pantiles, cobble, panels };
+
+/// A height tile: repeated along the surface, it says how far the surface stands out.
+struct TileOptions {
+    TileKind kind = TileKind::own;
+    /// Own heights: rows from top to bottom, 0 lowest .. 1 highest; all rows equally long.
+    std::vector<std::vector<double>> heights = {};
+    std::optional<double> size;   ///< width of a repetition, voxels; none: what suits the tile
+    std::optional<double> depth;  ///< from height 0 to height 1, voxels; none: as above
+    int turn = 0;                 ///< degrees counter-clockwise: 0, 90, 180 or 270
+};
+
+/// Which tile a material gets: named by a palette entry (.vox) or stored value, by the name of the
+/// material, by a region, or "*" for every other; in this order of precedence.
+struct EmbossRule {
+    std::string material;
+    TileOptions tile;
+};
+
+enum class EmbossMethod : std::uint8_t { normals, displace };
+
+struct EmbossOptions {
+    std::vector<EmbossRule> rules = {};  ///< each name once; none: no relief
+    int detail = 4;                      ///< pieces along an edge of a voxel face
+    EmbossMethod method = EmbossMethod::normals;
+};
+
 enum class OutputFormat : std::uint8_t { glb, obj, vox, nrrd };
 enum class Parts : std::uint8_t { exterior, interfaces };
 enum class Colors : std::uint8_t { voxel, label, none };
@@ -155,6 +183,7 @@ struct ConversionOptions {
     InputOptions input = {};
     Preset preset = Preset::studio;
     MethodOptions method = {};  ///< those of `preset`, with what was given beside it
+    EmbossOptions emboss = {};
     OutputOptions output = {};
 };
 

@@ -45,6 +45,26 @@ Json toJson(const EnergyReport& energy) {
             {"total", energy.total()}};
 }
 
+Json toJson(const EmbossReport& emboss) {
+    Json tiles = Json::array();
+    for (const auto& tile : emboss.tiles)
+        tiles.push_back(
+            {{"material", tile.material}, {"tile", tile.tile}, {"surfels", tile.surfels}});
+    Json json = {{"method", emboss.method},
+                 {"detail", emboss.detail},
+                 {"surfels", emboss.surfels},
+                 {"pointels", emboss.pointels},
+                 {"tiles", std::move(tiles)}};
+    if (emboss.method == "normals")
+        json["solver"] = {{"iterations", emboss.iterations},
+                          {"relative_residual", emboss.residual}};
+    json["relief"] = {{"rms", emboss.reliefRms}, {"max", emboss.reliefMax}};
+    json["displacement_max"] = emboss.displacementMax;
+    json["inverted_faces"] = emboss.invertedAfter;
+    json["crossing_faces"] = emboss.crossingAfter;
+    return json;
+}
+
 Json toJson(const OutputReport& output, bool mesh) {
     Json json = {{"media_type", output.mediaType}};
     if (mesh) {
@@ -110,15 +130,17 @@ Json toJson(const Guarantees& guarantees) {
 Guarantees guaranteesOf(const ConversionReport& report) {
     const SolveReport& solve = report.solve;
     const std::vector<bool>& closed = report.output.closed;
-    const bool separated = solve.displacementMax < 0.5;
+    const auto& emboss = report.emboss;
+    const bool separated = (emboss ? emboss->displacementMax : solve.displacementMax) < 0.5;
     Guarantees guarantees;
     if (separated) guarantees.separation = Evidence::proved;
-    if (separated && solve.crossingAfter == 0)
+    // The pieces of one face, and of faces side by side, are nearer to each other than they move.
+    if (!emboss && separated && solve.crossingAfter == 0)
         guarantees.noIntersection =
             report.surface.splitPointels == 0 ? Evidence::proved : Evidence::checked;
-    if (solve.displacementMax < 0.25)
+    if (!emboss && solve.displacementMax < 0.25)
         guarantees.noInversion = Evidence::proved;
-    else if (solve.invertedAfter == 0)
+    else if ((emboss ? emboss->invertedAfter : solve.invertedAfter) == 0)
         guarantees.noInversion = Evidence::checked;
     if (std::find(closed.begin(), closed.end(), false) == closed.end())
         guarantees.closed = Evidence::checked;
@@ -141,12 +163,14 @@ Json toJson(const ConversionReport& report) {
         {"crossing_faces", {{"before", solve.crossingBefore}, {"after", solve.crossingAfter}}},
         {"closed", byLabel(report, report.output.closed)},
         {"open_at_border", byLabel(report, report.output.openAtBorder)},
-        {"guarantees", toJson(guaranteesOf(report))},
-        {"output", toJson(report.output, !report.voxels)}};
+        {"guarantees", toJson(guaranteesOf(report))}};
+    if (report.emboss) json["emboss"] = toJson(*report.emboss);
+    json["output"] = toJson(report.output, !report.voxels);
     if (report.voxels) json["voxels"] = toJson(*report.voxels, report.input);
     if (report.milliseconds) {
         double total = 0;
         for (std::size_t i = 0; i < kStageCount; ++i) {
+            if (static_cast<Stage>(i) == Stage::emboss && !report.emboss) continue;
             json["milliseconds"][stageName(static_cast<Stage>(i))] = (*report.milliseconds)[i];
             total += (*report.milliseconds)[i];
         }

@@ -70,6 +70,29 @@ struct SolveReport {
     std::uint64_t crossingAfter = 0;
 };
 
+/// What the relief of height tiles did to the surface.
+struct EmbossReport {
+    int detail = 0;
+    std::string method;
+    std::uint64_t surfels = 0;  ///< pieces of surfels
+    std::uint64_t pointels = 0;
+    struct TileInfo {
+        std::string material;  ///< as the caller named it
+        std::string tile;
+        std::uint64_t surfels = 0;  ///< whole ones, before they were cut
+    };
+    std::vector<TileInfo> tiles;
+    int iterations = 0;  ///< of the solver; none for `displace`
+    double residual = 0;
+    double reliefMax = 0;  ///< largest way from the surface without relief along an axis, voxels
+    double reliefRms = 0;  ///< Euclidean, over the pointels of faces with tiles
+    /// Largest distance along an axis of a piece's corner from its own place on the voxel face,
+    /// sides of a voxel along that axis.
+    double displacementMax = 0;
+    std::uint64_t invertedAfter = 0;  ///< pieces
+    std::uint64_t crossingAfter = 0;  ///< pairs of pieces at split pointels
+};
+
 struct OutputReport {
     std::string mediaType;
     std::uint64_t vertices = 0;  ///< of a mesh, as are triangles and parts
@@ -115,6 +138,7 @@ struct ConversionReport {
     SurfaceReport surface;
     nlohmann::ordered_json options;  ///< the options in force, filled in by the caller
     SolveReport solve;
+    std::optional<EmbossReport> emboss;  ///< none without relief
     OutputReport output;
     std::optional<VoxelReport> voxels;  ///< of the voxel outputs only
     /// Wall time by stage; measured by the caller, so that core reads no clock; never in the

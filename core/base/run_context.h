@@ -11,11 +11,11 @@
 namespace rivage::core {
 
 /// The stages of a conversion, in their order. `stageName` gives the name of the wire.
-enum class Stage : std::uint8_t { parse, surface, normals, solve, mesh, write };
-inline constexpr std::size_t kStageCount = 6;
+enum class Stage : std::uint8_t { parse, surface, normals, solve, emboss, mesh, write };
+inline constexpr std::size_t kStageCount = 7;
 [[nodiscard]] constexpr const char* stageName(Stage stage) {
-    constexpr const char* kNames[kStageCount] = {"parse", "surface", "normals",
-                                                 "solve", "mesh",    "write"};
+    constexpr const char* kNames[kStageCount] = {"parse",  "surface", "normals", "solve",
+                                                 "emboss", "mesh",    "write"};
     return kNames[static_cast<std::size_t>(stage)];
 }
 

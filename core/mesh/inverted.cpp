@@ -39,8 +39,10 @@ bool anyMoved(const DigitalSurface& surface, SurfelId s, const Flags& moved) {
 // Finds again and again what is tangled; looks only at what moved since it last looked.
 class TangleFinder {
 public:
-    TangleFinder(const DigitalSurface& surface, const RunContext& run)
+    TangleFinder(const DigitalSurface& surface, const IdVector<PointelId, Vec3d>* home,
+                 const RunContext& run)
         : surface_(surface),
+          home_(home),
           run_(run),
           touching_(touchingFaces(surface, run)),
           inverted_(surface.surfelCount()),
@@ -56,6 +58,9 @@ public:
             crossing_[i] = (anyMoved(surface_, s, moved) || anyMoved(surface_, t, moved)) &&
                            facesCross(surface_, positions, touching_[i]);
         });
+    }
+    [[nodiscard]] Vec3d homeOf(PointelId p) const {
+        return home_ != nullptr ? (*home_)[p] : surface_.position(p);
     }
     [[nodiscard]] Tangles count() const { return {sum(inverted_), sum(crossing_)}; }
     /// Sets the flags of the pointels that are to be drawn back, and clears the others.
@@ -90,7 +95,7 @@ private:
             for (const PointelId q : surface_.corners[pair.second]) {
                 if (surface_.pointels[p] != surface_.pointels[q]) continue;
                 for (const PointelId copy : {p, q}) {
-                    if (positions[copy] == surface_.position(copy)) continue;
+                    if (positions[copy] == homeOf(copy)) continue;
                     away = true;
                     chosen[copy] = 1;
                 }
@@ -101,6 +106,7 @@ private:
     }
 
     const DigitalSurface& surface_;
+    const IdVector<PointelId, Vec3d>* home_;
     const RunContext& run_;
     std::vector<FacePair> touching_;
     std::vector<std::uint8_t> inverted_;
@@ -127,9 +133,9 @@ std::vector<SurfelId> invertedFaces(const DigitalSurface& surface,
 }
 
 Tangles untangle(const DigitalSurface& surface, IdVector<PointelId, Vec3d>& positions,
-                 const RunContext& run) {
+                 const RunContext& run, const IdVector<PointelId, Vec3d>* home) {
     Flags moved(surface.pointelCount(), 1);
-    TangleFinder finder(surface, run);
+    TangleFinder finder(surface, home, run);
     Tangles atFirst;
     for (int round = 0; !run.stopped(); ++round) {
         finder.look(positions, moved);
@@ -137,10 +143,15 @@ Tangles untangle(const DigitalSurface& surface, IdVector<PointelId, Vec3d>& posi
         if (round == 0) atFirst = found;
         if (found.inverted + found.crossing == 0) break;
         finder.choose(positions, moved);
+        bool any = false;
         serialFor(surface.pointelCount(), run, [&](std::size_t i) {
             const PointelId p{static_cast<std::uint32_t>(i)};
-            if (moved[p] != 0) positions[p] = drawnBack(positions[p], surface.position(p));
+            if (moved[p] == 0) return;
+            const Vec3d back = drawnBack(positions[p], finder.homeOf(p));
+            any = any || back != positions[p];
+            positions[p] = back;
         });
+        if (!any) break;
     }
     return atFirst;
 }

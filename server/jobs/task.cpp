@@ -7,7 +7,7 @@ namespace rivage::server {
 namespace {
 
 /// Share of the work that lies before each stage; a guess from typical runs, for the bar only.
-constexpr std::array<double, core::kStageCount + 1> kShares{0, 0.02, 0.05, 0.55, 0.9, 0.95, 1};
+constexpr std::array<double, core::kStageCount + 1> kShares{0, 0.02, 0.05, 0.55, 0.9, 0.9, 0.95, 1};
 
 double milliseconds(Clock::duration duration) {
     return std::chrono::duration<double, std::milli>(duration).count();
