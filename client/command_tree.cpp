@@ -31,7 +31,8 @@ std::string valueName(const proto::OptionInfo& info) {
         case proto::OptionType::spacing: return "XxYxZ";
         case proto::OptionType::weights: return "JSON";
         case proto::OptionType::ratio: return "N|N/M";
-        case proto::OptionType::labels: return text + "|JSON";
+        case proto::OptionType::labels:
+        case proto::OptionType::emboss: return text + "|JSON";
         case proto::OptionType::integer:
         case proto::OptionType::number: return text.empty() ? "NUMBER" : "NUMBER|" + text;
     }

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "proto/emboss_values.h"
 #include "proto/option_builders.h"
 
 namespace rivage::proto {
@@ -311,6 +312,48 @@ Option notOfVox(Option option) {
     });
 }
 
+bool isEmbossed(const ConversionOptions& options) { return !options.emboss.rules.empty(); }
+
+Option embossOption() {
+    return {{"emboss", "transfer", OptionType::emboss, embossWords(), 0, 0,
+             "Relief of height tiles: one for all faces, or a map from palette entries, names of "
+             "materials, regions or \"*\" to a tile or its tile, size, depth and turn."},
+            [](JobOptions& options, const OptionValue& value) {
+                std::vector<core::EmbossRule>& rules = options.conversion.emboss.rules;
+                if (const auto* word = std::get_if<Word>(&value)) {
+                    if (word->index == 0) return;
+                    const auto kind = static_cast<core::TileKind>(word->index);
+                    rules = {{"*", {.kind = kind}}};
+                    return;
+                }
+                rules = std::get<std::vector<core::EmbossRule>>(value);
+            },
+            [](const JobOptions& options) -> Json {
+                return embossJson(options.conversion.emboss.rules);
+            }};
+}
+
+void addTransfer(std::vector<Option>& table) {
+    table.push_back(meshOnly(embossOption()));
+    const std::string condition = "emboss other than none";
+    table.push_back(
+        onlyWith(condition,
+                 number(
+                     "emboss_detail", "transfer", {2, 8},
+                     "Pieces along each edge of a voxel face: the finer, the crisper the relief "
+                     "and the more faces, its square as many.",
+                     [](ConversionOptions & o) -> auto& { return o.emboss.detail; }),
+                 isEmbossed));
+    table.push_back(onlyWith(
+        condition,
+        choice(
+            "emboss_method", "transfer", {"normals", "displace"},
+            "How relief is made: pieces take the normals of their tile in a second solution, "
+            "crisp; or they are moved along the normals, fast.",
+            [](ConversionOptions & o) -> auto& { return o.emboss.method; }),
+        isEmbossed));
+}
+
 void addOutput(std::vector<Option>& table) {
     const auto output = [](auto member) {
         return [member](ConversionOptions & o) -> auto& { return o.output.*member; };
@@ -377,6 +420,7 @@ std::vector<Option> makeTable() {
     addEnergy(table);
     addNormals(table);
     addSolve(table);
+    addTransfer(table);
     addOutput(table);
     addCompression(table);
     table.push_back(deadlineOption());

@@ -13,8 +13,9 @@ namespace rivage::proto {
 struct Word {
     std::size_t index = 0;
 };
-using OptionValue = std::variant<Word, bool, double, core::Vec3i, std::vector<core::LabelRule>,
-                                 core::Vec3d, std::vector<core::RegionWeights>, core::Scale>;
+using OptionValue =
+    std::variant<Word, bool, double, core::Vec3i, std::vector<core::LabelRule>, core::Vec3d,
+                 std::vector<core::RegionWeights>, core::Scale, std::vector<core::EmbossRule>>;
 
 struct Option {
     OptionInfo info;

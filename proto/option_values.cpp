@@ -4,6 +4,7 @@
 #include <numeric>
 #include <set>
 
+#include "proto/emboss_values.h"
 #include "proto/option_table.h"
 
 namespace rivage::proto {
@@ -222,13 +223,18 @@ Result<OptionValue> readLabelMap(const OptionInfo& info, const Json& map) {
     return rules;
 }
 
+Result<OptionValue> readMap(const OptionInfo& info, const Json& map) {
+    if (info.type == OptionType::emboss) return readEmboss(info.name, map);
+    return info.type == OptionType::labels ? readLabelMap(info, map) : readWeights(info, map);
+}
+
 Result<OptionValue> readMap(const OptionInfo& info, std::string_view text) {
     auto map = readJson(text, pointer(info));
     if (!map) {
         map.error().code = ErrorCode::invalidOption;
         return fail(map.error());
     }
-    return info.type == OptionType::labels ? readLabelMap(info, *map) : readWeights(info, *map);
+    return readMap(info, *map);
 }
 
 }  // namespace
@@ -253,6 +259,10 @@ std::string allowedValues(const OptionInfo& info) {
         case OptionType::ratio:
             return "a fraction of numbers from 1 to " + std::to_string(core::kMaxScale) +
                    " such as 3, 1/2 or 2/3";
+        case OptionType::emboss:
+            return listed(info.words) +
+                   ", or a map such as "
+                   "{\"plaster\":\"brick\",\"*\":{\"tile\":\"planks\",\"size\":6}}";
     }
     return {};
 }
@@ -283,6 +293,7 @@ Result<OptionValue> parseValue(const OptionInfo& info, std::string_view text) {
             break;
         case OptionType::labels:
         case OptionType::weights:
+        case OptionType::emboss:
             if (word) return *word;
             if (text.starts_with('{')) return readMap(info, text);
             break;
@@ -309,14 +320,15 @@ Result<OptionValue> parseValue(const OptionInfo& info, const Json& value) {
             if (const auto dims = readJsonDims(info, value)) return *dims;
             break;
         case OptionType::labels:
+        case OptionType::emboss:
             if (word) return *word;
-            if (value.is_object()) return readLabelMap(info, value);
+            if (value.is_object()) return readMap(info, value);
             break;
         case OptionType::spacing:
             if (const auto sides = readJsonSpacing(info, value)) return *sides;
             break;
         case OptionType::weights:
-            if (value.is_object()) return readWeights(info, value);
+            if (value.is_object()) return readMap(info, value);
             break;
         case OptionType::ratio:
             if (const auto ratio = readJsonRatio(value)) return *ratio;

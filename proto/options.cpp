@@ -103,6 +103,7 @@ const char* typeName(OptionType type) {
         case OptionType::spacing: return "spacing";
         case OptionType::weights: return "weights";
         case OptionType::ratio: return "ratio";
+        case OptionType::emboss: return "emboss";
     }
     return "";
 }
@@ -157,7 +158,8 @@ Json describeOptions() {
         const OptionInfo& info = option.info;
         Json entry{{"name", info.name}, {"group", info.group}, {"type", typeName(info.type)}};
         if (!info.words.empty()) entry["values"] = info.words;
-        if (info.type != OptionType::choice && info.type != OptionType::flag) {
+        if (info.type != OptionType::choice && info.type != OptionType::flag &&
+            info.type != OptionType::emboss) {
             const bool whole = info.type == OptionType::integer || info.type == OptionType::dims ||
                                info.type == OptionType::labels;
             entry["minimum"] =

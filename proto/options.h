@@ -35,12 +35,13 @@ enum class OptionType : std::uint8_t {
     spacing,  ///< three numbers, "1x1x2.5" or [1, 1, 2.5]
     weights,  ///< a map from names or "*" to factors of alpha, beta, gamma
     ratio,    ///< a fraction, "3" or "1/2", or the number 3
+    emboss,   ///< one of `words`, or a map from materials or "*" to height tiles
 };
 
 /// What users need to know about one option.
 struct OptionInfo {
     std::string name;
-    std::string group;  ///< "input", "method", "output", "run"
+    std::string group;  ///< "input", "method", "transfer", "output", "run"
     OptionType type = OptionType::choice;
     std::vector<std::string> words = {};
     double minimum = 0;
