@@ -33,6 +33,7 @@ Scene makeRotatedBox();
 Scene makeBalls();
 Scene makeFoam();
 Scene makeHouse();
+Scene makeBarn();
 Scene makeCheckerboard();
 Scene makeVoxel();
 

@@ -22,6 +22,8 @@ constexpr Sample kSamples[] = {
     {{"foam", "A ball of Voronoi cells, one palette entry a cell", LabelMode::palette}, makeFoam},
     {{"house", "A house with a pitched roof, a door, windows and a chimney", LabelMode::automatic},
      makeHouse},
+    {{"barn", "A barn with a barrel roof and a round tower, for relief", LabelMode::automatic},
+     makeBarn},
     {{"checkerboard", "A cube where every second voxel is set", LabelMode::automatic},
      makeCheckerboard},
     {{"voxel", "A lone voxel", LabelMode::automatic}, makeVoxel},
