@@ -258,6 +258,94 @@ TEST_CASE("reject: weights that are no factors") {
                  ErrorCode::invalidOption, "/options/weights");
 }
 
+TEST_CASE("parseOptions: height tiles by material, as text and as JSON") {
+    const std::string map = R"({"plaster":"brick","9":{"tile":"planks","size":6,"turn":90},)"
+                            R"("*":{"height":[[0,0.5],[1,0]],"depth":0.1}})";
+    const auto fromText = parse({{"emboss", map}, {"emboss_detail", "8"}});
+    REQUIRE(fromText);
+    const core::EmbossOptions& emboss = fromText->conversion.emboss;
+    REQUIRE(emboss.rules.size() == 3);
+    CHECK(emboss.detail == 8);
+    CHECK(emboss.rules[0].material == "plaster");
+    CHECK(emboss.rules[0].tile.kind == core::TileKind::brick);
+    CHECK_FALSE(emboss.rules[0].tile.size);
+    CHECK(emboss.rules[1].tile.kind == core::TileKind::planks);
+    CHECK(emboss.rules[1].tile.size == 6);
+    CHECK(emboss.rules[1].tile.turn == 90);
+    CHECK(emboss.rules[2].tile.kind == core::TileKind::own);
+    CHECK(emboss.rules[2].tile.heights == std::vector<std::vector<double>>{{0, 0.5}, {1, 0}});
+    CHECK(emboss.rules[2].tile.depth == 0.1);
+    const auto fromJson = parse({}, R"({"emboss_detail":8,"emboss":)" + map + "}");
+    REQUIRE(fromJson);
+    CHECK(proto::toJson(*fromText) == proto::toJson(*fromJson));
+}
+
+TEST_CASE("parseOptions: a tile for everything is a word, none is no relief") {
+    for (const char* word : {"brick", "planks", "shingles", "pantiles", "cobble", "panels"}) {
+        const auto options = parse({{"emboss", word}, {"emboss_method", "displace"}});
+        REQUIRE(options);
+        REQUIRE(options->conversion.emboss.rules.size() == 1);
+        CHECK(options->conversion.emboss.rules[0].material == "*");
+        CHECK(valueOf(*options, "emboss") == word);
+        CHECK(valueOf(*options, "emboss_method") == "displace");
+    }
+    CHECK(parse({{"emboss", "none"}})->conversion.emboss.rules.empty());
+    CHECK(valueOf(*parse({}), "emboss") == "none");
+    CHECK(valueOf(*parse({}), "emboss_detail").is_null());
+}
+
+TEST_CASE("reject: tiles that are none") {
+    for (const char* bad : {"bricks", "own", "{}", "[]", "{\"\":\"brick\"}", "{\"a\":\"brick\""})
+        checkRefused(parse({{"emboss", bad}}), ErrorCode::invalidOption, "/options/emboss");
+    for (const char* bad : {R"("own")",
+                            R"("none")",
+                            "1",
+                            "null",
+                            "[]",
+                            "{}",
+                            R"({"size":4})",
+                            R"({"tile":"brick","height":[[1]]})",
+                            R"({"tile":"brik"})",
+                            R"({"tile":1})",
+                            R"({"tile":"brick","size":0.4})",
+                            R"({"tile":"brick","size":257})",
+                            R"({"tile":"brick","size":"4"})",
+                            R"({"tile":"brick","depth":-0.1})",
+                            R"({"tile":"brick","depth":1.1})",
+                            R"({"tile":"brick","turn":45})",
+                            R"({"tile":"brick","turn":360})",
+                            R"({"tile":"brick","turn":1e99})",
+                            R"({"tile":"brick","colour":1})",
+                            R"({"height":[]})",
+                            R"({"height":[[]]})",
+                            R"({"height":[[0,1],[0]]})",
+                            R"({"height":[[1.5]]})",
+                            R"({"height":[["0"]]})",
+                            R"({"height":[0,1]})"})
+        checkRefused(parse({{"emboss", std::string("{\"a\":") + bad + "}"}}),
+                     ErrorCode::invalidOption, "/options/emboss/a");
+    std::string wide = "[0";
+    for (int i = 0; i < 64; ++i) wide += ",0";
+    wide += "]";
+    checkRefused(parse({{"emboss", "{\"a\":{\"height\":[" + wide + "]}}"}}),
+                 ErrorCode::invalidOption, "/options/emboss/a");
+    std::string tall = "[[0]";
+    for (int i = 0; i < 64; ++i) tall += ",[0]";
+    tall += "]";
+    checkRefused(parse({{"emboss", "{\"a\":{\"height\":" + tall + "}}"}}), ErrorCode::invalidOption,
+                 "/options/emboss/a");
+    for (const char* bad : {"1", "9", "2.5", "many"})
+        checkRefused(parse({{"emboss", "brick"}, {"emboss_detail", bad}}), ErrorCode::invalidOption,
+                     "/options/emboss_detail");
+}
+
+TEST_CASE("reject: how relief is made, without relief") {
+    checkRefused(parse({{"emboss_detail", "4"}}), ErrorCode::invalidOption,
+                 "/options/emboss_detail");
+    checkRefused(parse({{"emboss", "none"}, {"emboss_method", "displace"}}),
+                 ErrorCode::invalidOption, "/options/emboss_method");
+}
+
 TEST_CASE("parseOptions: paper does not split umbrellas, unless asked to") {
     CHECK(parse({})->conversion.method.energy.split);
     CHECK_FALSE(parse({{"preset", "paper"}})->conversion.method.energy.split);
@@ -365,6 +453,8 @@ TEST_CASE("property: the effective options, given back, are the same options") {
         {{"output", "vox"}, {"scale", "3/2"}},
         {{"output", "nrrd"}, {"scale", "1/2"}, {"compression", "none"}, {"pivot", "world"}},
         {{"weights", R"({"sea":{"alpha":10},"*":{"gamma":2}})"}},
+        {{"emboss", "brick"}, {"emboss_method", "displace"}},
+        {{"emboss", R"({"*":{"height":[[0,1]],"size":2,"turn":90},"a":"cobble"})"}},
         {{"hidden", "keep"},
          {"untangle", "false"},
          {"deadline_ms", "1000"},

@@ -1,7 +1,7 @@
 // Options: what is unknown, out of range, given twice or without effect is refused by its name.
 import assert from 'node:assert/strict';
 import {describe, test} from 'node:test';
-import {form, fresh} from '../lib/grids.mjs';
+import {cube, cubeQuery, form, fresh} from '../lib/grids.mjs';
 import {assertProblem, useFakeServer, useServer} from '../lib/server.mjs';
 
 const kRaw = 'format=raw&dims=2x2x2';
@@ -50,6 +50,11 @@ const kRefused = [
   ['format=raw&dims=99999999999x2x2', 'invalid-option', '/options/dims', /dims/],
   [`${kRaw}&labels=%7B`, undefined, '/options/labels', /./],
   [`${kRaw}&weights=%7B%22a%22:%7B%22alpha%22:0%7D%7D`, undefined, undefined, /./],
+  ['emboss=bricks', 'invalid-option', '/options/emboss', /did you mean brick/],
+  ['emboss=%7B%22a%22:1%7D', 'invalid-option', '/options/emboss/a', /a tile is brick/],
+  ['emboss_detail=4', 'invalid-option', '/options/emboss_detail', /emboss other than none/],
+  ['emboss=brick&emboss_detail=9', 'invalid-option', '/options/emboss_detail', /2 to 8/],
+  ['emboss=none&emboss_method=displace', 'invalid-option', '/options/emboss_method', /emboss/],
   ['deadline_ms=0', 'invalid-option', '/options/deadline_ms', /deadline_ms/],
   ['deadline_ms=60001', 'invalid-option', '/options/deadline_ms', /./],
 ];
@@ -191,4 +196,45 @@ describe('options of the real engine', () => {
       assertProblem(await post('', 'what is this?', route), 415, 'unsupported-format');
     });
   }
+
+  for (const method of ['normals', 'displace'])
+    test(`relief by ${method}: the job's report says what was made`, async () => {
+      const query = `${cubeQuery}&emboss=brick&emboss_detail=3&emboss_method=${method}`;
+      const {state, report, options} = await server.follow(await server.submit(cube, {query}));
+      assert.equal(state, 'succeeded');
+      assert.equal(options.emboss, 'brick');
+      assert.equal(report.emboss.method, method);
+      assert.equal(report.emboss.surfels, 9 * 24);
+      assert.equal(report.emboss.solver === undefined, method === 'displace');
+      assert.deepEqual(report.emboss.tiles, [{material: '*', tile: 'brick', surfels: 24}]);
+      assert.ok(report.emboss.displacement_max < 0.5);
+      assert.ok(report.milliseconds.emboss >= 0);
+      assert.equal(report.output.triangles, 2 * 9 * 24);
+    });
+
+  test('relief for a material that the grid does not have', async () => {
+    const map = encodeURIComponent('{"roof":"shingles"}');
+    const answer = await post(`${cubeQuery.slice(1)}&emboss=${map}`, cube);
+    assertProblem(answer, 400, 'invalid-option');
+    assert.equal(answer.json.field, '/options/emboss/roof');
+  });
+
+  test('heights of the caller come as JSON beside the grid', async () => {
+    const height = Array.from({length: 64}, (_, y) =>
+      Array.from({length: 64}, (_, x) => ((x ^ y) & 8) / 8)
+    );
+    const options = {
+      format: 'raw',
+      dims: [2, 2, 2],
+      compression: 'none',
+      emboss: {1: {height, size: 2, depth: 0.1}},
+    };
+    const {body, headers} = form([
+      ['grid', cube],
+      ['options', JSON.stringify(options)],
+    ]);
+    const {state, report} = await server.follow(await server.submit(body, {headers}));
+    assert.equal(state, 'succeeded');
+    assert.equal(report.emboss.tiles[0].tile, 'own');
+  });
 });

@@ -160,6 +160,40 @@ TEST_SUITE("core/solve") {
         CHECK(fast->iterations < slow->iterations);
     }
 
+    TEST_CASE("box: rooms off centre, to the KKT conditions, in place of the limit") {
+        const Prepared ball(ballGrid(12, 5));
+        IdVector<PointelId, Room> rooms;
+        for (std::size_t i = 0; i < ball.energy.size(); ++i) {
+            const double wide = 0.02 * static_cast<double>(i % 7);  // some may not move at all
+            rooms.push_back({Vec3d(-wide, -2 * wide, -0.01), Vec3d(0.5 * wide, wide, 0)});
+        }
+        const auto solution =
+            minimize(ball.energy, {.tolerance = 1e-9}, {}, {.rooms = &rooms}).value();
+        CHECK(solution.converged);
+        const PointelVectors gradient = ball.energy.gradient(solution.positions);
+        double worst = 0;
+        std::size_t atSides = 0;
+        for (std::size_t i = 0; i < rooms.size(); ++i) {
+            const Room& room = rooms[pointel(i)];
+            const Vec3d d = solution.positions[pointel(i)] - ball.surface.position(pointel(i));
+            for (int k = 0; k < 3; ++k) {
+                CHECK(d[k] >= room.low[k] - 1e-12);
+                CHECK(d[k] <= room.high[k] + 1e-12);
+                const bool low = d[k] <= room.low[k] + 1e-12;
+                const bool high = d[k] >= room.high[k] - 1e-12;
+                atSides += low || high;
+                const double g = gradient[pointel(i)][k];
+                worst = std::max(worst, low && high ? 0.0 : low ? -g : high ? g : std::abs(g));
+            }
+        }
+        CHECK(worst < 1e-6);
+        CHECK(atSides > rooms.size());
+        const auto refused =
+            minimize(ball.energy, {.solver = SolverKind::pcg}, {}, {.rooms = &rooms});
+        REQUIRE_FALSE(refused);
+        CHECK(refused.error().code == ErrorCode::invalidOption);
+    }
+
     TEST_CASE("box: clipping the free minimizer is not the answer") {
         const Prepared problem(sectorGrid(20, 8.5), kPaper);
         const double limit = 0.2;
