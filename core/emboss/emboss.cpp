@@ -52,10 +52,13 @@ Result<Embossed> emboss(const EmbossInput& input, const ConversionOptions& optio
     const EmbossOptions& wanted = options.emboss;
     const auto choice = TileChoice::make(input.grid, wanted, 1.0 / wanted.detail);
     if (!choice) return fail(choice.error());
+    const auto tiles = placeTiles(
+        {input.surface, input.links, input.normals, input.positions, sceneOrigin(input.grid)},
+        *choice, run);
     auto refined = refineSurface(input.surface, input.links, input.positions, wanted.detail, run);
     if (!refined) return fail(refined.error());
     Embossed embossed{.refined = *std::move(refined)};
-    const Relief relief = makeRelief(input, embossed.refined, *choice, wanted.rules.size(),
+    const Relief relief = makeRelief(input, embossed.refined, tiles, wanted.rules.size(),
                                      options.method.solve.displacementLimit, run);
     if (run.stopped()) return fail(run.stopError());
     describe(wanted, relief, embossed);

@@ -1,5 +1,6 @@
 #include "core/emboss/frames.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -11,9 +12,12 @@ constexpr double degrees(double angle) { return angle * std::numbers::pi / 180; 
 /// Which of the eight directions (1, 0), (1, 1), .. a horizontal vector is nearest to. Ties at 22.5
 /// degrees are off the slopes 1:2 (26.6) and 1:3 (18.4).
 Vec3d horizontalStep(const Vec3d& normal) {
-    const double step = degrees(45);
-    const double turn = step * std::round(std::atan2(normal.y(), normal.x()) / step);
-    return {std::cos(turn), std::sin(turn), 0};
+    constexpr double kHalf = std::numbers::sqrt2 / 2;
+    static const std::array<Vec3d, 8> kSteps{
+        Vec3d(1, 0, 0),  Vec3d(kHalf, kHalf, 0),   Vec3d(0, 1, 0),  Vec3d(-kHalf, kHalf, 0),
+        Vec3d(-1, 0, 0), Vec3d(-kHalf, -kHalf, 0), Vec3d(0, -1, 0), Vec3d(kHalf, -kHalf, 0)};
+    const double turn = std::round(std::atan2(normal.y(), normal.x()) / degrees(45));
+    return kSteps[static_cast<std::size_t>(static_cast<int>(turn) + 8) % 8];
 }
 
 }  // namespace
@@ -27,9 +31,9 @@ TileFrame tileFrame(const Vec3d& normal) {
     const Vec3d outwards = horizontalStep(normal);
     const Vec3d right(-outwards.y(), outwards.x(), 0);
     const Vec3d uphill = normal.z() > 0 ? Vec3d(-outwards) : outwards;
-    if (slope < kDiagonal) return {right, uphill};
+    if (slope < kDiagonal) return {right, uphill, true};
     if (slope > kWall) return {right, Vec3d::UnitZ()};
-    return {right, (uphill + Vec3d::UnitZ()) * std::numbers::sqrt2 / 2};
+    return {right, (uphill + Vec3d::UnitZ()) * std::numbers::sqrt2 / 2, true};
 }
 
 }  // namespace rivage::core

@@ -8,6 +8,8 @@ namespace rivage::core {
 struct TileFrame {
     Vec3d u = Vec3d::UnitX();
     Vec3d v = Vec3d::UnitY();
+    bool slope = false;  ///< neither a wall nor level ground
+    bool operator==(const TileFrame&) const = default;
 };
 
 /// The frame of a face: box mapping with more than six sides. u runs horizontally to the right seen
@@ -18,7 +20,7 @@ struct TileFrame {
 /// the surface by 9 % at most, and 16 % where both are between steps. The borders between steps lie
 /// away from the slopes that voxels draw: 1:1, 1:2, 1:3 and flat.
 /// @param normal  of the surface there, unit, pointing outwards
-/// @source ours; the cell of TEXTURE coordinates needs no seams that a solver would have to place
+/// @source ours
 [[nodiscard]] TileFrame tileFrame(const Vec3d& normal);
 
 }  // namespace rivage::core

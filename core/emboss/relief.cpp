@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "core/base/parallel.h"
-#include "core/emboss/frames.h"
 
 namespace rivage::core {
 namespace {
@@ -12,19 +11,17 @@ namespace {
 SurfelId surfel(std::size_t i) { return SurfelId{static_cast<std::uint32_t>(i)}; }
 
 /// Sets the heights of all pieces of one surfel.
-void setHeights(const EmbossInput& input, const RefinedSurface& refined, const FaceTile& face,
+void setHeights(const EmbossInput& input, const RefinedSurface& refined, const SurfelTile& tile,
                 SurfelId parent, Relief& relief) {
-    const double out = face.ofOuter ? -1 : 1;
-    const TileFrame frame = tileFrame(out * input.normals[parent]);
-    const Vec3d origin = input.grid.origin.cast<double>().cwiseProduct(input.grid.spacing);
+    const double out = tile.face.ofOuter ? -1 : 1;
+    const Vec3d origin = sceneOrigin(input.grid);
     const std::size_t pieces =
         static_cast<std::size_t>(refined.detail) * static_cast<std::size_t>(refined.detail);
     for (std::size_t i = 0; i < pieces; ++i) {
         const SurfelId s = surfel(index(parent) * pieces + i);
         for (std::size_t k = 0; k < 4; ++k) {
             const Vec3d at = refined.rest[refined.surface.corners[s][k]] + origin;
-            relief.heights[s][k] =
-                static_cast<float>(out * face.tile->at(frame.u.dot(at), frame.v.dot(at)));
+            relief.heights[s][k] = static_cast<float>(out * tile.heightAt(at));
         }
     }
 }
@@ -48,28 +45,29 @@ Room roomAt(const Vec3d& offset, double range, const std::optional<Vec3d>& limit
 
 }  // namespace
 
-Relief makeRelief(const EmbossInput& input, const RefinedSurface& refined, const TileChoice& choice,
-                  std::size_t rules, std::optional<double> limit, const RunContext& run) {
+Relief makeRelief(const EmbossInput& input, const RefinedSurface& refined,
+                  const IdVector<SurfelId, SurfelTile>& tiles, std::size_t rules,
+                  std::optional<double> limit, const RunContext& run) {
     const DigitalSurface& surface = refined.surface;
     Relief relief;
     relief.heights.resize(surface.surfelCount(), {});
     relief.surfelsOfRule.resize(rules);
     (void)parallelFor(
-        input.surface.surfelCount(), run,
+        tiles.size(), run,
         [&](std::size_t n) {
-            const FaceTile face = choice.of(input.surface, surfel(n));
-            if (face.tile) setHeights(input, refined, face, surfel(n), relief);
+            const SurfelTile& tile = tiles[surfel(n)];
+            if (tile.face.tile) setHeights(input, refined, tile, surfel(n), relief);
         },
         256);
     IdVector<PointelId, float> range(surface.pointelCount());
     serialFor(surface.surfelCount(), run, [&](std::size_t n) {
-        const FaceTile face = choice.of(surface, surfel(n));
+        const FaceTile& face = tiles[refined.parent(surfel(n))].face;
         if (!face.tile) return;
         for (const PointelId p : surface.corners[surfel(n)])
             range[p] = std::max(range[p], static_cast<float>(face.tile->range()));
     });
-    serialFor(input.surface.surfelCount(), run, [&](std::size_t n) {
-        const FaceTile face = choice.of(input.surface, surfel(n));
+    serialFor(tiles.size(), run, [&](std::size_t n) {
+        const FaceTile& face = tiles[surfel(n)].face;
         if (face.tile) ++relief.surfelsOfRule[face.rule];
     });
     std::optional<Vec3d> sides;

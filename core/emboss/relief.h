@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <optional>
+#include <vector>
 
 #include "core/base/run_context.h"
+#include "core/emboss/charts.h"
 #include "core/emboss/emboss.h"
-#include "core/emboss/tile_choice.h"
 #include "core/solve/box.h"
 
 namespace rivage::core {
@@ -17,10 +19,11 @@ struct Relief {
     std::vector<std::uint64_t> surfelsOfRule;  ///< whole surfels
 };
 
+/// @param tiles  of the surfels before they were cut
 /// @param limit  the displacement limit in voxels of the unrefined lattice; none: no such limit
 /// @return  incomplete once `run` asked to stop
 [[nodiscard]] Relief makeRelief(const EmbossInput& input, const RefinedSurface& refined,
-                                const TileChoice& choice, std::size_t rules,
+                                const IdVector<SurfelId, SurfelTile>& tiles, std::size_t rules,
                                 std::optional<double> limit, const RunContext& run);
 
 /// Unit normals of the pieces at rest, and those that their heights ask for: the normals of the
