@@ -26,6 +26,7 @@ core::Result<JobOptions> parse(const std::vector<OptionText>& text, const std::s
 std::vector<OptionText> beside(const std::string& name) {
     if (name == "type") return {{"format", "raw"}, {"dims", "1x1x1"}};
     if (name == "dims") return {{"format", "raw"}};
+    if (name.starts_with("emboss_")) return {{"emboss", "brick"}};
     if (name.starts_with("smoothing_")) return {{"normals", "piecewise-smooth"}};
     return {};
 }
