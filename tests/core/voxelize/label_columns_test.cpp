@@ -127,11 +127,12 @@ TEST_SUITE("core/voxelize") {
 
     TEST_CASE("lattice: where nothing moved each sample has the label of its voxel") {
         // Samples between two voxels belong to the higher one.
-        for (const auto& [up, down] : {std::pair(1, 1), {2, 1}, {3, 1}, {4, 1}, {3, 2}, {5, 3}}) {
-            CAPTURE(up);
-            CAPTURE(down);
+        for (const Scale scale :
+             {Scale{1, 1}, Scale{2, 1}, Scale{3, 1}, Scale{4, 1}, Scale{3, 2}, Scale{5, 3}}) {
+            CAPTURE(scale.up);
+            CAPTURE(scale.down);
             const Sampled model = moved(randomGrid(7, {18, 7, 6}, 4), 0);
-            const LabelColumns columns = model.scan(up, down);
+            const LabelColumns columns = model.scan(scale.up, scale.down);
             CHECK(columns.folded() == 0);
             forEachSample(columns.lattice().size, [&](const Vec3i& sample) {
                 REQUIRE(labelAt(columns, sample) ==
