@@ -62,7 +62,9 @@ std::uint64_t predictMemory(const VoxelGrid& grid, std::uint64_t surfels, std::u
     constexpr std::uint64_t kBytesPerSurfel = 32;    // snapped pointels, nearest faces, blocks
     constexpr std::uint64_t kBytesPerCrossing = 10;  // runs, the crossings of a few blocks
     constexpr std::uint64_t kBytesPerBlock = 1200;
-    constexpr std::uint64_t kCopies = 2;  // a grid in tiles beside the whole; a file as it grows
+    constexpr std::uint64_t kCopies = 2;   // a grid in tiles beside the whole; a file as it grows
+    constexpr std::uint64_t kPacking = 8;  // labels of regions; where they are noise, the rest of
+                                           // the conversion takes a thousand times as much
     const Scale& scale = output.scale;
     const Vec3i size = scaledSize(grid.voxels.size(), scale);
     const bool coarser = scale.up < scale.down;
@@ -74,6 +76,9 @@ std::uint64_t predictMemory(const VoxelGrid& grid, std::uint64_t surfels, std::u
     const std::uint64_t blocks = (lattice.size.x() / ColumnBlock::kSide + std::uint64_t{1}) *
                                  (lattice.size.y() / ColumnBlock::kSide + std::uint64_t{1});
     const std::uint64_t bricks = countBricks(grid, size, scale, run);
+    const bool packed =
+        output.format == OutputFormat::nrrd && output.compression != Compression::none;
+    if (packed) fileBytes /= kPacking;
     return kBytesPerSurfel * surfels + kBytesPerCrossing * crossings + kBytesPerBlock * blocks +
            kCopies * (bricks * sizeof(BrickGrid::Brick) + fileBytes);
 }

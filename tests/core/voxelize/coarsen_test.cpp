@@ -68,6 +68,13 @@ TEST_SUITE("core/voxelize") {
         CHECK(made.report.topology.at(0).after.components == 1);
     }
 
+    TEST_CASE("coarsen: a side that ends in the middle of a voxel fills it") {
+        const Coarse made =
+            coarser(moved(makeGrid({3, 4, 4}, 1, [](const Vec3i&) { return 1; }), 0), {1, 2});
+        CHECK(made.grid.voxels.countVoxels() == 8);
+        CHECK(made.report.rescued == 0);
+    }
+
     TEST_CASE("coarsen: a lone wall of a third of a voxel comes back whole") {
         const VoxelGrid wall = makeGrid({12, 12, 12}, 2, [](const Vec3i& v) {
             return v.x() == 4 ? 1 : v.x() > 8 ? 2 : 0;

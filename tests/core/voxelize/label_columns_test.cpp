@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <limits>
 #include <tuple>
 
 #include "core/mesh/diagonal.h"
@@ -67,6 +68,17 @@ Windings slowWindings(const Sampled& model, const Vec3d& at) {
     return windings;
 }
 
+/// The squared distance to the nearest middle of a face of a label, by looking at each.
+double nearestFace(const Sampled& model, const Vec3d& at, Label label) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::uint32_t i = 0; i < model.surface->surfelCount(); ++i) {
+        const LabelPair labels = model.moved->labels(SurfelId{i});
+        if (labels.inner != label && labels.outer != label) continue;
+        nearest = std::min(nearest, (model.moved->centre(SurfelId{i}) - at).squaredNorm());
+    }
+    return nearest;
+}
+
 }  // namespace
 
 TEST_SUITE("core/voxelize") {
@@ -119,6 +131,11 @@ TEST_SUITE("core/voxelize") {
                 const Label label = labelAt(columns, sample);
                 ties += most.size() > 1;
                 REQUIRE(std::find(most.begin(), most.end(), label) != most.end());
+                // On a tie the label whose nearest face is nearest.
+                const Vec3d exact = columns.lattice().position(sample);
+                const double distance = nearestFace(model, exact, label);
+                for (const Label other : most)
+                    REQUIRE(distance <= nearestFace(model, exact, other));
             });
             CHECK(columns.folded() >= ties);
             CHECK((amplitude < 1 || ties > 0));

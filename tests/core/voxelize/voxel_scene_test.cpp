@@ -122,8 +122,8 @@ TEST_SUITE("core/voxelize") {
 
     TEST_CASE("palette: 3000 random colours become 255, and the error is what it says") {
         const auto materials = randomMaterials(3000, 4);
-        std::vector<std::uint64_t> voxels(3001, 1);
-        voxels[0] = 0;
+        std::vector<std::uint64_t> voxels(3001);
+        for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = i % 5;
         voxels[77] = 100000;  // one that fills nearly everything stays nearly as it is
         const auto made = reducePalette(materials, voxels, 255, {});
         REQUIRE(made);
@@ -136,7 +136,7 @@ TEST_SUITE("core/voxelize") {
         for (std::size_t i = 1; i <= 3000; ++i) {
             const Rgba8 color = made->materials[made->newId[i]].color;
             const double error = (oklabOf(color) - oklabOf(materials.raw()[i].color)).norm();
-            max = std::max(max, error);
+            if (voxels[i] > 0) max = std::max(max, error);
             sum += error * static_cast<double>(voxels[i]);
             total += static_cast<double>(voxels[i]);
         }
