@@ -17,12 +17,11 @@ Result<void> alignToTiles(const VoxelGrid& grid, const Relief& relief, PieceNorm
     // Relief is small: a thousandth of it cannot be seen.
     constexpr double kTolerance = 1e-3;
     const DigitalSurface& surface = embossed.refined.surface;
-    EnergyOptions energyOptions = options.energy;
-    energyOptions.alpha /= embossed.refined.detail * embossed.refined.detail;
-    auto weights = weightsByRegion(surface, grid.labels, energyOptions, run);
+    auto weights = weightsByRegion(surface, grid.labels, options.energy, run);
     if (!weights) return fail(weights.error());
-    const Energy energy(surface, std::move(normals.wanted), *std::move(weights), energyOptions, run,
-                        {embossed.refined.rest, std::move(normals.rest)});
+    PointelVectors targets = displaced(embossed.refined, relief, normals.rest, run);
+    const Energy energy(surface, std::move(normals.wanted), *std::move(weights), options.energy,
+                        run, {embossed.refined.rest, std::move(normals.rest), std::move(targets)});
     const SolveOptions solve{.displacementLimit = std::nullopt,
                              .tolerance = std::max(options.solve.tolerance, kTolerance),
                              .maxIterations = options.solve.maxIterations};

@@ -107,9 +107,9 @@ double Energy::restRise(SurfelId s, std::size_t k, const Vec3d& normal) const {
     return (rest_.positions[corners[(k + 1) & 3U]] - rest_.positions[corners[k]]).dot(normal);
 }
 
-// The rest shape is at its minimum for its own normals, so only their change pulls.
+// The rest shape is at its minimum for its own normals, so only their change pulls, and targets.
 Vec3d Energy::shapeForce(PointelId i) const {
-    Vec3d force = Vec3d::Zero();
+    Vec3d force = weights_.alpha[i] * (rest_.targets[i] - rest_.positions[i]);
     for (const std::uint32_t corner : incidentCorners(i)) {
         const SurfelId s = surfel(corner / 4);
         const std::size_t k = corner & 3U;
@@ -166,7 +166,8 @@ EnergyReport Energy::value(const PointelVectors& x) const {
         double sum = 0;
         for (std::size_t n = begin; n < end; ++n) {
             const PointelId i = pointel(n);
-            sum += weights_.alpha[i] * (x[i] - restPosition(i)).squaredNorm();
+            const Vec3d target = rest_.any() ? rest_.targets[i] : surface_.position(i);
+            sum += weights_.alpha[i] * (x[i] - target).squaredNorm();
         }
         return sum;
     });

@@ -31,6 +31,7 @@ struct EnergyWeights {
 struct RestShape {
     PointelVectors positions;  ///< voxel units
     NormalField normals;       ///< of its faces, unit
+    PointelVectors targets;    ///< what the data term holds on to; as many
     [[nodiscard]] bool any() const { return !positions.empty(); }
 };
 
@@ -45,8 +46,9 @@ struct RestShape {
 /// a corner, so that fairness does not shrink them. Fairness neighbours are all neighbours; with
 /// `JunctionFairness::curve` a pointel on a junction curve has only its two neighbours on it.
 ///
-/// With a rest shape, p are its positions and each term counts the change since then: edges the
-/// change of (x_a - x_b) . n_f from (p_a - p_b) . m_f with m_f its normals, fairness x - p.
+/// With a rest shape, the data term holds on to its targets, and the others count the change since
+/// its positions p: edges the change of (x_a - x_b) . n_f from (p_a - p_b) . m_f with m_f its
+/// normals, fairness x - p.
 ///
 /// Half the Hessian, H = A + L + B^T G B, is constant, symmetric and positive definite.
 /// @source [CGL18] equation (1); METHOD.md 2.2, 2.6, 2.7

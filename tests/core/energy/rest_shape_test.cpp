@@ -24,8 +24,10 @@ struct Problem {
         const auto vector = [&] {
             return Vec3d(uniform(random), uniform(random), uniform(random));
         };
-        for (std::size_t i = 0; i < surface.pointelCount(); ++i)
+        for (std::size_t i = 0; i < surface.pointelCount(); ++i) {
             rest.positions.push_back(surface.position(pointel(i)) + vector());
+            rest.targets.push_back(rest.positions.raw().back() + vector());
+        }
         for (std::size_t f = 0; f < surface.surfelCount(); ++f) {
             rest.normals.push_back(vector().normalized());
             normals.push_back(vector().normalized());
@@ -41,7 +43,8 @@ struct Problem {
 TEST_SUITE_BEGIN("core/energy");
 
 TEST_CASE("RestShape: with its own normals it has no energy and pulls nowhere") {
-    const Problem problem(3);
+    Problem problem(3);
+    problem.rest.targets = problem.rest.positions;
     const Energy energy = problem.energy({}, problem.rest.normals);
     CHECK(energy.restPositions() == problem.rest.positions);
     CHECK(energy.value(problem.rest.positions).total() == 0);
