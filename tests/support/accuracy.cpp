@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/mesh/diagonal.h"
+#include "tests/support/random.h"
 
 namespace rivage::test {
 
@@ -102,16 +103,6 @@ void measureFaces(const Shape& shape, const Regularized& result, const std::vect
     }
     errors.normalMean /= areas;
     errors.normalRms = std::sqrt(errors.normalRms / count);
-}
-
-double unitDraw(std::mt19937& random) {
-    return (static_cast<double>(random()) + 0.5) / 4294967296.0;
-}
-
-/// From the normal distribution (Box and Muller), the same with every standard library.
-double gaussian(std::mt19937& random) {
-    const double length = std::sqrt(-2 * std::log(unitDraw(random)));
-    return length * std::cos(2 * M_PI * unitDraw(random));
 }
 
 /// Six times the volume between the origin and a face.

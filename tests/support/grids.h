@@ -60,6 +60,11 @@ struct SectorFrame {
     Vec3d w = axis.cross(u);
     explicit SectorFrame(int side)
         : centre(Vec3d::Constant(side / 2.0) + Vec3d(0.17, -0.08, 0.21)) {}
+    /// The label, 1 to `sectors`, of a point at `p` from the centre.
+    [[nodiscard]] int labelOf(const Vec3d& p, int sectors) const {
+        const double turn = std::atan2(p.dot(w), p.dot(u)) / (2 * M_PI) + 0.5;
+        return 1 + static_cast<int>(turn * sectors) % sectors;
+    }
 };
 
 /// A ball cut into `sectors` labels by half-planes through a tilted axis.
@@ -67,9 +72,7 @@ inline VoxelGrid sectorGrid(int side, double radius, int sectors = 3) {
     const SectorFrame frame(side);
     return makeGrid(Vec3i::Constant(side), sectors, [&](const Vec3i& v) {
         const Vec3d p = v.cast<double>() + Vec3d::Constant(0.5) - frame.centre;
-        if (p.norm() > radius) return 0;
-        const double turn = std::atan2(p.dot(frame.w), p.dot(frame.u)) / (2 * M_PI) + 0.5;
-        return 1 + static_cast<int>(turn * sectors) % sectors;
+        return p.norm() > radius ? 0 : frame.labelOf(p, sectors);
     });
 }
 

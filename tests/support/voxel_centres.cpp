@@ -39,8 +39,8 @@ public:
         const Vec3d& pc = positions_[c];
         const Vec3d low = pa.cwiseMin(pb).cwiseMin(pc);
         const Vec3d high = pa.cwiseMax(pb).cwiseMax(pc);
-        for (int y = columnAbove(low.y()); y - 0.5 <= high.y(); ++y)
-            for (int x = columnAbove(low.x()); x - 0.5 <= high.x(); ++x) {
+        for (int y = columnAbove(low.y()); y < size_.y() && y - 0.5 <= high.y(); ++y)
+            for (int x = columnAbove(low.x()); x < size_.x() && x - 0.5 <= high.x(); ++x) {
                 const double px = x - 0.5;
                 const double py = y - 0.5;
                 const double wa = sideOf(positions_, b, c, px, py);
@@ -81,7 +81,7 @@ public:
 
 private:
     // Column i holds the voxels i - 1, whose centres are at i - 0.5.
-    static int columnAbove(double at) { return static_cast<int>(std::ceil(at + 0.5)); }
+    static int columnAbove(double at) { return std::max(0, static_cast<int>(std::ceil(at + 0.5))); }
     std::vector<Crossing>& at(int x, int y) {
         return columns_[static_cast<std::size_t>(y) * size_.x() + x];
     }

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/study/samples.h"
+
+/// What the study measures, section by section.
+namespace rivage::study {
+
+struct Scale {
+    int poses = 8;
+    int resolution = 32;  ///< of all sections but `convergence`
+    int largest = 256;    ///< resolution of `convergence`
+    int threads = 1;      ///< of the study; each run has one
+    bool quick = false;   ///< three shapes, few levels: to see that all of it works
+};
+
+/// The sections that give samples, in the order of the report; `speed` is beside them.
+[[nodiscard]] const std::vector<std::string>& sectionNames();
+
+/// Runs a section; the same samples for any number of threads, but for their times.
+[[nodiscard]] Samples runSection(const std::string& name, const Scale& scale);
+
+}  // namespace rivage::study
