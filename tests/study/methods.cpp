@@ -1,30 +1,16 @@
 #include "tests/study/methods.h"
 
-#include <ctime>
 #include <random>
 #include <utility>
 
 #include "tests/study/minimize_from.h"
 #include "tests/study/peers.h"
+#include "tests/study/thread_clock.h"
 #include "tests/support/accuracy.h"
 #include "tests/support/random.h"
 
 namespace rivage::study {
 namespace {
-
-/// Milliseconds of this thread: other work on the machine does not count.
-class ThreadClock {
-public:
-    [[nodiscard]] double milliseconds() const { return now() - started_; }
-
-private:
-    static double now() {
-        timespec time{};
-        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-        return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-    }
-    double started_ = now();
-};
 
 MethodOptions withNormals(Preset preset, NormalMethod normals) {
     MethodOptions options = presetOptions(preset);

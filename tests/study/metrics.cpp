@@ -220,19 +220,19 @@ std::vector<Vec3d> trueSamples(const Shape& shape, const DigitalSurface& surface
 void measureThoroughly(const Shape& shape, const Outcome& outcome, const MeasureOptions& options,
                        Measures& m) {
     const bool isDual = !outcome.surface.corners.empty();
-    if (options.clean == nullptr) {
-        const auto points = trueSamples(shape, *extractSurface(shape.grid, {}));
-        m[Measure::hausdorff] = std::max(m[Measure::max], farthestFrom(outcome.mesh, points));
+    if (options.clean != nullptr) {
+        if (isDual)
+            m[Measure::untrue] = static_cast<double>(
+                test::countWrongCentres(*options.clean, outcome.surface, outcome.positions));
+        return;
     }
+    const auto points = trueSamples(shape, *extractSurface(shape.grid, {}));
+    m[Measure::hausdorff] = std::max(m[Measure::max], farthestFrom(outcome.mesh, points));
     if (!isDual) return;
     m[Measure::crossing] =
         static_cast<double>(test::countIntersections(outcome.surface, outcome.positions));
     m[Measure::wrong] = static_cast<double>(
         test::countWrongCentres(shape.grid, outcome.surface, outcome.positions));
-    m[Measure::untrue] = options.clean == nullptr
-                             ? m[Measure::wrong]
-                             : static_cast<double>(test::countWrongCentres(
-                                   *options.clean, outcome.surface, outcome.positions));
 }
 
 }  // namespace

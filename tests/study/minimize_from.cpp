@@ -1,11 +1,13 @@
 #include "tests/study/minimize_from.h"
 
-#include <algorithm>
+#include <Eigen/LU>
 #include <cmath>
 #include <utility>
 
 namespace rivage::study {
 namespace {
+
+constexpr int kSteps = 5000;
 
 double dot(const PointelVectors& a, const PointelVectors& b) {
     double sum = 0;
@@ -13,66 +15,83 @@ double dot(const PointelVectors& a, const PointelVectors& b) {
     return sum;
 }
 
-/// The displacements d = x - p and what moves them.
-class Descent {
-public:
-    Descent(const Energy& energy, const PointelVectors& rest, std::optional<double> limit)
-        : energy_(energy), limit_(limit), majorizer_(energy.majorizer()) {
-        // Half the gradient at displacement d is H d + H p - A rest = H d - force.
-        const PointelVectors lattice = energy.restPositions();
-        energy.apply(lattice, force_, scratch_);
-        for (std::uint32_t i = 0; i < force_.size(); ++i) {
+/// The system H d = force of the displacement d = x - p.
+struct System {
+    const Energy& energy;
+    PointelVectors force;
+    Energy::Scratch scratch;
+
+    System(const Energy& ofEnergy, const PointelVectors& rest) : energy(ofEnergy) {
+        energy.apply(energy.restPositions(), force, scratch);
+        for (std::uint32_t i = 0; i < force.size(); ++i) {
             const PointelId p{i};
-            force_[p] = energy.weights().alpha[p] * rest[p] - force_[p];
+            force[p] = energy.weights().alpha[p] * rest[p] - force[p];
         }
     }
-
-    /// A projected step from `from`; `moved` is scaled back to a gradient.
-    PointelVectors step(const PointelVectors& from, PointelVectors& moved) {
-        energy_.apply(from, product_, scratch_);
-        PointelVectors to = from;
-        moved.resize(from.size());
-        for (std::uint32_t i = 0; i < from.size(); ++i) {
-            const PointelId p{i};
-            to[p] = from[p] + (force_[p] - product_[p]) / majorizer_[p];
-            if (limit_)
-                to[p] =
-                    to[p].cwiseMax(Vec3d::Constant(-*limit_)).cwiseMin(Vec3d::Constant(*limit_));
-            moved[p] = majorizer_[p] * (to[p] - from[p]);
-        }
-        return to;
-    }
-
-private:
-    const Energy& energy_;
-    std::optional<double> limit_;
-    IdVector<PointelId, double> majorizer_;
-    PointelVectors force_;
-    PointelVectors product_;
-    Energy::Scratch scratch_;
 };
 
-}  // namespace
+void add(PointelVectors& x, double factor, const PointelVectors& y) {
+    for (std::size_t i = 0; i < x.size(); ++i) x.raw()[i] += factor * y.raw()[i];
+}
 
-PointelVectors minimizeFrom(const Energy& energy, const PointelVectors& rest,
-                            std::optional<double> limit) {
-    constexpr int kSteps = 3000;
-    constexpr double kTolerance = 1e-4;
-    Descent descent(energy, rest, limit);
-    PointelVectors x(energy.size(), Vec3d::Zero());
+/// Conjugate gradients with the blocks on the diagonal as preconditioner.
+PointelVectors solveFree(System& system, double tolerance) {
+    IdVector<PointelId, Mat3d> blocks = system.energy.diagonalBlocks();
+    for (Mat3d& block : blocks) block = block.inverse().eval();
+    const auto preconditioned = [&](const PointelVectors& r) {
+        PointelVectors z = r;
+        for (std::size_t i = 0; i < z.size(); ++i) z.raw()[i] = blocks.raw()[i] * r.raw()[i];
+        return z;
+    };
+    PointelVectors x(system.force.size(), Vec3d::Zero());
+    PointelVectors residual = system.force;
+    PointelVectors z = preconditioned(residual);
+    PointelVectors direction = z;
+    PointelVectors product;
+    const double goal = tolerance * tolerance * dot(residual, residual);
+    double slope = dot(residual, z);
+    for (int k = 0; k < kSteps && dot(residual, residual) > goal; ++k) {
+        system.energy.apply(direction, product, system.scratch);
+        const double step = slope / dot(direction, product);
+        add(x, step, direction);
+        add(residual, -step, product);
+        z = preconditioned(residual);
+        const double next = dot(residual, z);
+        for (std::size_t i = 0; i < z.size(); ++i)
+            direction.raw()[i] = z.raw()[i] + next / slope * direction.raw()[i];
+        slope = next;
+    }
+    return x;
+}
+
+/// A projected step from `from`; `moved` is scaled back to a gradient.
+PointelVectors projectedStep(System& system, const IdVector<PointelId, double>& majorizer,
+                             double limit, const PointelVectors& from, PointelVectors& moved) {
+    PointelVectors to;
+    system.energy.apply(from, to, system.scratch);
+    moved.resize(from.size());
+    for (std::uint32_t i = 0; i < from.size(); ++i) {
+        const PointelId p{i};
+        const Vec3d free = from[p] + (system.force[p] - to[p]) / majorizer[p];
+        to[p] = free.cwiseMax(Vec3d::Constant(-limit)).cwiseMin(Vec3d::Constant(limit));
+        moved[p] = majorizer[p] * (to[p] - from[p]);
+    }
+    return to;
+}
+
+/// Projected gradients with momentum, which ends where it leads uphill.
+PointelVectors solveInBox(System& system, double limit, double tolerance) {
+    const IdVector<PointelId, double> majorizer = system.energy.majorizer();
+    PointelVectors x(system.force.size(), Vec3d::Zero());
     PointelVectors ahead = x;
     PointelVectors moved;
-    double first = 0;
+    double goal = 0;
     double t = 1;
     for (int k = 0; k < kSteps; ++k) {
-        PointelVectors next = descent.step(ahead, moved);
+        PointelVectors next = projectedStep(system, majorizer, limit, ahead, moved);
         const double size = dot(moved, moved);
-        if (k == 0) first = size;
-        if (size <= kTolerance * kTolerance * first) {
-            x = std::move(next);
-            break;
-        }
-        double along = 0;  // of the step against the last move: uphill means too much momentum
+        if (k == 0) goal = tolerance * tolerance * size;
+        double along = 0;
         for (std::size_t i = 0; i < x.size(); ++i)
             along += moved.raw()[i].dot(next.raw()[i] - x.raw()[i]);
         const double nextT = along < 0 ? 1 : 0.5 * (1 + std::sqrt(1 + 4 * t * t));
@@ -81,9 +100,18 @@ PointelVectors minimizeFrom(const Energy& energy, const PointelVectors& rest,
             ahead.raw()[i] = next.raw()[i] + momentum * (next.raw()[i] - x.raw()[i]);
         t = nextT;
         x = std::move(next);
+        if (size <= goal) break;
     }
-    const PointelVectors lattice = energy.restPositions();
-    for (std::size_t i = 0; i < x.size(); ++i) x.raw()[i] += lattice.raw()[i];
+    return x;
+}
+
+}  // namespace
+
+PointelVectors minimizeFrom(const Energy& energy, const PointelVectors& rest,
+                            std::optional<double> limit) {
+    System system(energy, rest);
+    PointelVectors x = limit ? solveInBox(system, *limit, 1e-5) : solveFree(system, 1e-6);
+    add(x, 1, energy.restPositions());
     return x;
 }
 

@@ -187,12 +187,13 @@ Samples run(const Task& task) {
 }  // namespace
 
 const std::vector<std::string>& sectionNames() {
-    static const Names names = {"shapes",      "normal-noise", "position-noise",
-                                "label-noise", "creases",      "convergence"};
+    static const Names names = {"shapes",  "normal-noise", "position-noise", "label-noise",
+                                "creases", "convergence",  "speed"};
     return names;
 }
 
 Samples runSection(const std::string& name, const Scale& scale) {
+    if (name == "speed") return runSpeed();
     const std::vector<Task> tasks = tasksOf(name, scale);
     std::vector<Samples> results(tasks.size());
     (void)body("sphere");  // the shapes and methods are made before threads ask for them

@@ -16,10 +16,15 @@ struct Scale {
     bool quick = false;   ///< three shapes, few levels: to see that all of it works
 };
 
-/// The sections that give samples, in the order of the report; `speed` is beside them.
+/// The sections in the order of the report.
 [[nodiscard]] const std::vector<std::string>& sectionNames();
 
 /// Runs a section; the same samples for any number of threads, but for their times.
 [[nodiscard]] Samples runSection(const std::string& name, const Scale& scale);
+
+/// Section `speed`: gradients and steps of the solvers on the sample `island`, whose 64 x 68 x 40
+/// voxels are as many as those of the Lake of [CGL18]. `level` is the number of steps;
+/// `normal_mean` and `rms` are against the minimum.
+[[nodiscard]] Samples runSpeed();
 
 }  // namespace rivage::study
