@@ -55,7 +55,8 @@ public:
         }
     }
 
-    [[nodiscard]] double distance(const Vec3d& p) const {
+    /// Distance of a point, or something below `enough` if it is below that.
+    [[nodiscard]] double distance(const Vec3d& p, double enough) const {
         const Vec3i at = cellOf(p);
         double least = std::numeric_limits<double>::infinity();
         for (int reach = 1; reach <= kReach; ++reach) {
@@ -65,7 +66,7 @@ public:
                              least = std::min(least, squaredDistance(triangles_[i], p));
                      });
             // Whatever is in no cell looked at is at least `reach` away.
-            if (least <= static_cast<double>(reach) * reach) break;
+            if (least <= std::max(static_cast<double>(reach) * reach, enough * enough)) break;
         }
         return std::min(std::sqrt(least), static_cast<double>(kReach));
     }
@@ -101,7 +102,7 @@ private:
 double farthestFrom(const StudyMesh& mesh, const std::vector<Vec3d>& points) {
     const TriangleGrid grid(mesh);
     double farthest = 0;
-    for (const Vec3d& point : points) farthest = std::max(farthest, grid.distance(point));
+    for (const Vec3d& point : points) farthest = std::max(farthest, grid.distance(point, farthest));
     return farthest;
 }
 

@@ -226,8 +226,6 @@ void measureThoroughly(const Shape& shape, const Outcome& outcome, const Measure
                 test::countWrongCentres(*options.clean, outcome.surface, outcome.positions));
         return;
     }
-    const auto points = trueSamples(shape, *extractSurface(shape.grid, {}));
-    m[Measure::hausdorff] = std::max(m[Measure::max], farthestFrom(outcome.mesh, points));
     if (!isDual) return;
     m[Measure::crossing] =
         static_cast<double>(test::countIntersections(outcome.surface, outcome.positions));
@@ -245,6 +243,10 @@ Measures measure(const Shape& shape, const Outcome& outcome, const MeasureOption
     if (!outcome.normals.empty()) m[Measure::estimate] = estimateError(shape, outcome);
     const bool sharedTwice = outcome.surface.corners.empty() && shape.grid.labels.size() > 2;
     if (!sharedTwice) m[Measure::volume] = volumeError(shape, outcome.mesh);
+    if (options.bothWays) {
+        const auto points = trueSamples(shape, *extractSurface(shape.grid, {}));
+        m[Measure::hausdorff] = std::max(m[Measure::max], farthestFrom(outcome.mesh, points));
+    }
     if (options.thorough) measureThoroughly(shape, outcome, options, m);
     return m;
 }

@@ -46,7 +46,8 @@ struct Measures {
 };
 
 struct MeasureOptions {
-    bool thorough = false;      ///< hausdorff, crossing, wrong too; with `clean`: untrue instead
+    bool bothWays = false;      ///< hausdorff too
+    bool thorough = false;      ///< crossing and wrong too; with `clean`: untrue instead
     std::size_t leastPart = 1;  ///< parts that hang together by edges with fewer faces are left out
     const VoxelGrid* clean = nullptr;  ///< the grid without label noise, for `untrue`
 };

@@ -110,7 +110,7 @@ PointelVectors solveInBox(System& system, double limit, double tolerance) {
 PointelVectors minimizeFrom(const Energy& energy, const PointelVectors& rest,
                             std::optional<double> limit) {
     System system(energy, rest);
-    PointelVectors x = limit ? solveInBox(system, *limit, 1e-5) : solveFree(system, 1e-6);
+    PointelVectors x = limit ? solveInBox(system, *limit, 1e-6) : solveFree(system, 1e-6);
     add(x, 1, energy.restPositions());
     return x;
 }

@@ -149,7 +149,7 @@ std::string normalNoiseText(const View& view) {
            byLevel(view, {"DC", "DC in cell", "paper, auto normals", "studio, no limit", "studio"},
                    {.measure = Measure::crossing}, 1) +
            "\nEvery shape and level: rms / largest distance / normal error.\n\n" +
-           everyCase(view, {"studio", "paper, auto normals", "paper", "DC", "SN", "SN 16", "MC"});
+           everyCase(view, {"studio", "paper, auto normals", "DC", "SN", "SN 16", "MC"});
 }
 
 std::string positionNoiseText(const View& view) {

@@ -75,9 +75,12 @@ Names creasedShapes() {
 }
 
 std::vector<Task> shapeTasks(const Scale& scale) {
-    return tasksFor(allShapes(), scale,
-                    {"raw", "MC", "DC", "DC in cell", "SN", "SN 16", "paper", "paper, auto normals",
-                     "studio", "architectural", "organic", "noisy"});
+    std::vector<Task> tasks =
+        tasksFor(allShapes(), scale,
+                 {"raw", "MC", "DC", "DC in cell", "SN", "SN 16", "paper", "paper, auto normals",
+                  "studio", "architectural", "organic", "noisy"});
+    for (Task& task : tasks) task.measures.bothWays = true;
+    return tasks;
 }
 
 std::vector<Task> creaseTasks(const Scale& scale) {
@@ -94,8 +97,8 @@ std::vector<Task> normalTasks(const Scale& scale) {
     const std::vector<double> levels =
         scale.quick ? std::vector<double>{0, 20} : std::vector<double>{0, 5, 10, 20, 40};
     return atLevels(tasksFor(kNoiseShapes, scale,
-                             {"MC", "DC", "DC in cell", "SN", "SN 16", "paper",
-                              "paper, auto normals", "studio", "studio, no limit"}),
+                             {"MC", "DC", "DC in cell", "SN", "SN 16", "paper, auto normals",
+                              "studio", "studio, no limit"}),
                     levels, [](Task& task, double level) { task.disturbance.normalTilt = level; });
 }
 

@@ -76,30 +76,32 @@ ProfileFoot footOnProfile(const std::vector<Side>& profile, const Vec2d& p) {
     return best;
 }
 
-/// One round of Newton steps to the surface and a step along it.
-Vec3d slide(const Implicit& surface, const Vec3d& p, Vec3d q, double& moved) {
+/// Newton steps along the gradient until the surface is reached.
+Vec3d land(const Implicit& surface, Vec3d q) {
     constexpr double kLongest = 0.1;  // of a step; shapes have a radius of 0.4
-    Vec3d normal = Vec3d::UnitX();
-    for (int k = 0; k < 3; ++k) {
+    constexpr double kReached = 1e-12;
+    for (int k = 0; k < 50; ++k) {
         const Vec3d gradient = surface.gradient(q);
-        const double length = std::max(gradient.norm(), 1e-12);
-        normal = gradient / length;
-        q -= std::clamp(surface.value(q) / length, -kLongest, kLongest) * normal;
+        const double square = std::max(gradient.squaredNorm(), 1e-24);
+        Vec3d step = -surface.value(q) / square * gradient;
+        if (step.norm() > kLongest) step *= kLongest / step.norm();
+        q += step;
+        if (step.norm() < kReached) break;
     }
-    Vec3d along = p - q;
-    along -= normal.dot(along) * normal;
-    moved = along.norm();
-    if (moved > kLongest) along *= kLongest / moved;
-    return q + along;
+    return q;
 }
 
 Foot footOnImplicit(const Implicit& surface, const Vec3d& p) {
-    Vec3d q = p;
-    double moved = kInfinite;
-    double unused = 0;
-    for (int k = 0; k < 60 && moved > 1e-9; ++k) q = slide(surface, p, q, moved);
-    q = slide(surface, q, q, unused);
-    const Vec3d normal = surface.gradient(q).normalized();
+    constexpr double kStill = 1e-9;
+    Vec3d q = land(surface, p);
+    Vec3d normal = surface.gradient(q).normalized();
+    for (int k = 0; k < 100; ++k) {
+        Vec3d along = p - q;
+        along -= normal.dot(along) * normal;
+        if (along.norm() < kStill) break;
+        q = land(surface, q + along);
+        normal = surface.gradient(q).normalized();
+    }
     const double sign = surface.value(p) <= 0 ? -1 : 1;
     return {q, normal, sign * (p - q).norm(), kInfinite};
 }
