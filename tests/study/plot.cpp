@@ -16,7 +16,7 @@ constexpr double kRight = 14;
 constexpr double kTop = 34;
 constexpr double kBottom = 48;
 constexpr double kLegendRow = 22;
-constexpr double kLegendItem = 170;
+constexpr double kLegendItem = 186;
 
 /// How a series is drawn. The colours are told apart by colour-blind readers (Okabe and Ito).
 struct Style {
@@ -245,7 +245,8 @@ std::vector<std::string> namesOf(const std::vector<PlotPanel>& panels) {
     std::vector<std::string> names;
     for (const PlotPanel& panel : panels)
         for (const PlotSeries& series : panel.series)
-            if (std::find(names.begin(), names.end(), series.name) == names.end())
+            if (!series.points.empty() &&
+                std::find(names.begin(), names.end(), series.name) == names.end())
                 names.push_back(series.name);
     return names;
 }

@@ -42,7 +42,7 @@ test('a quick run succeeds and has every section, table and plot', () => {
         'Noise of the positions', 'Noise of the labels', 'Creases', 'Convergence', 'Speed'])
         assert.match(text, new RegExp(`^## ${title}$`, 'm'));
     assert.doesNotMatch(text, /Not measured|\bnan\b|\binf\b/);
-    for (const plot of kPlots) assert.ok(text.includes(`(${plot}.svg)`), plot);
+    for (const plot of kPlots) assert.ok(text.includes(`(plots/${plot}.svg)`), plot);
 });
 
 test('tables have as many cells in each row as in their head', () => {
@@ -62,10 +62,10 @@ test('a verdict stands beside every claim', () => {
 });
 
 test('plots are well-formed and draw lines', () => {
-    assert.deepEqual(readdirSync(join(folder, 'a')).filter((name) => name.endsWith('.svg')).sort(),
+    assert.deepEqual(readdirSync(join(folder, 'a', 'plots')).sort(),
         kPlots.map((name) => `${name}.svg`).sort());
     for (const plot of kPlots) {
-        const svg = read('a', `${plot}.svg`);
+        const svg = read('a', 'plots', `${plot}.svg`);
         checkXml(svg);
         assert.doesNotMatch(svg, /nan|inf/);
         assert.ok(svg.split('<circle').length > 8, plot);

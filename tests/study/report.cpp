@@ -106,7 +106,7 @@ std::string everyCase(const View& view, const Names& methods) {
 }
 
 std::string figure(const std::string& name, const std::string& words) {
-    return "\n![" + words + "](" + name + ".svg)\n\n";
+    return "\n![" + words + "](plots/" + name + ".svg)\n\n";
 }
 
 std::string shapesText(const View& view) {

@@ -130,7 +130,7 @@ bool report(const Arguments& arguments) {
     }
     bool written = writeFile(arguments.out / "RESULTS.md", writeReport(measured, facts));
     for (const auto& [name, svg] : drawPlots(measured))
-        written = writeFile(arguments.out / (name + ".svg"), svg) && written;
+        written = writeFile(arguments.out / "plots" / (name + ".svg"), svg) && written;
     return written;
 }
 
@@ -139,7 +139,12 @@ bool report(const Arguments& arguments) {
 int main(int argc, char** argv) {
     const Arguments arguments = parse({argv + 1, argv + argc});
     std::error_code error;
-    std::filesystem::create_directories(arguments.out, error);
+    std::filesystem::create_directories(arguments.out / "plots", error);
+    if (error) {
+        std::fprintf(stderr, "cannot make the folder %s: %s\n", arguments.out.c_str(),
+                     error.message().c_str());
+        return 1;
+    }
     for (const std::string& section : arguments.sections)
         if (section != "report" && !measureSection(arguments, section)) return 1;
     return report(arguments) ? 0 : 1;
