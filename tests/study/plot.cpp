@@ -37,8 +37,8 @@ constexpr std::array<Style, 20> kStyles = {{{"raw", "#999999", "2 3", 1.5},
                                             {"studio", "#009e73", "", 3},
                                             {"studio, no limit", "#009e73", "2 3", 1.8},
                                             {"studio, growing II", "#009e73", "7 4", 2.2},
-                                            {"organic", "#444444", "7 4", 1.8},
-                                            {"architectural", "#444444", "", 1.8},
+                                            {"organic", "#7a5c2e", "7 4", 1.8},
+                                            {"architectural", "#444444", "5 2", 1.8},
                                             {"noisy", "#000000", "2 3", 2.2},
                                             {"guided", "#f0c000", "", 2.2},
                                             {"AT", "#8855cc", "", 2.2},
@@ -80,6 +80,14 @@ std::string words(double x, double y, const char* anchor, const std::string& wha
 std::string line(double x1, double y1, double x2, double y2, const std::string& style) {
     return "<line x1=\"" + text(x1) + "\" y1=\"" + text(y1) + "\" x2=\"" + text(x2) + "\" y2=\"" +
            text(y2) + "\" " + style + "/>\n";
+}
+
+/// Hollow where the line is broken, so that dots alone can be told apart.
+std::string dot(double x, double y, double radius, const Style& style) {
+    const bool hollow = style.dash[0] != '\0';
+    return "<circle cx=\"" + text(x) + "\" cy=\"" + text(y) + "\" r=\"" + text(radius) +
+           "\" fill=\"" + (hollow ? "#fff" : style.colour) + "\" stroke=\"" + style.colour +
+           "\" stroke-width=\"1.4\"/>\n";
 }
 
 /// One axis: from values to 0 .. 1.
@@ -143,8 +151,13 @@ private:
 
 class PanelDrawing {
 public:
-    PanelDrawing(const PlotPanel& panel, double left, double top)
-        : panel_(panel), left_(left + kLeft), top_(top + kTop), x_(panel.logX), y_(panel.logY) {
+    PanelDrawing(const PlotPanel& panel, double left, double top, double width)
+        : panel_(panel),
+          left_(left + kLeft),
+          top_(top + kTop),
+          innerWidth_(width - kLeft - kRight),
+          x_(panel.logX),
+          y_(panel.logY) {
         for (const PlotSeries& series : panel.series)
             for (const PlotPoint& point : series.points) {
                 if (!y_.shows(point.y)) continue;
@@ -160,15 +173,24 @@ public:
     [[nodiscard]] std::string draw() const {
         std::string svg = frame();
         for (const double slope : panel_.slopes) svg += guide(slope);
-        for (const PlotSeries& series : panel_.series) svg += curve(series);
+        for (std::size_t i = 0; i < panel_.series.size(); ++i)
+            svg += panel_.categories.empty() ? curve(panel_.series[i], 0)
+                                             : curve(panel_.series[i], aside(i));
         return svg;
     }
 
 private:
-    static constexpr double kInnerWidth = kWidth - kLeft - kRight;
     static constexpr double kInnerHeight = kHeight - kTop - kBottom;
 
-    [[nodiscard]] double px(double x) const { return left_ + kInnerWidth * x_.at(x); }
+    [[nodiscard]] double px(double x) const {
+        if (panel_.categories.empty()) return left_ + innerWidth_ * x_.at(x);
+        return left_ + innerWidth_ * (x - 0.5) / static_cast<double>(panel_.categories.size());
+    }
+    /// How far from the middle of a category a series stands.
+    [[nodiscard]] double aside(std::size_t series) const {
+        const auto count = static_cast<double>(panel_.series.size());
+        return 0.8 * ((static_cast<double>(series) + 0.5) / count - 0.5);
+    }
     [[nodiscard]] double py(double y) const { return top_ + kInnerHeight * (1 - y_.at(y)); }
 
     /// Marks of the x axis: the places of the points where they are few.
@@ -183,22 +205,39 @@ private:
 
     [[nodiscard]] std::string frame() const {
         const double bottom = top_ + kInnerHeight;
-        const double right = left_ + kInnerWidth;
+        const double right = left_ + innerWidth_;
         std::string svg = words(left_, top_ - 12, "start", panel_.title, " font-weight=\"bold\"");
         for (const double y : y_.marks()) {
             svg += line(left_, py(y), right, py(y), "stroke=\"#e3e3e3\"");
             svg += words(left_ - 6, py(y) + 4, "end", markText(y));
         }
-        for (const double x : xMarks()) {
-            svg += line(px(x), bottom, px(x), bottom + 4, "stroke=\"#333\"");
-            svg += words(px(x), bottom + 17, "middle", markText(x));
-        }
+        svg += panel_.categories.empty() ? xScale(bottom) : categoryScale(bottom);
         svg += line(left_, bottom, right, bottom, "stroke=\"#333\"");
         svg += line(left_, top_, left_, bottom, "stroke=\"#333\"");
         svg += words(0.5 * (left_ + right), bottom + 36, "middle", panel_.xLabel);
         const std::string turn = " transform=\"rotate(-90 " + text(left_ - 46) + " " +
                                  text(top_ + 0.5 * kInnerHeight) + ")\"";
         svg += words(left_ - 46, top_ + 0.5 * kInnerHeight, "middle", panel_.yLabel, turn.c_str());
+        return svg;
+    }
+
+    [[nodiscard]] std::string xScale(double bottom) const {
+        std::string svg;
+        for (const double x : xMarks()) {
+            svg += line(px(x), bottom, px(x), bottom + 4, "stroke=\"#333\"");
+            svg += words(px(x), bottom + 17, "middle", markText(x));
+        }
+        return svg;
+    }
+
+    [[nodiscard]] std::string categoryScale(double bottom) const {
+        std::string svg;
+        for (std::size_t i = 0; i < panel_.categories.size(); ++i) {
+            const auto x = static_cast<double>(i + 1);
+            svg += line(px(x + 0.5), top_, px(x + 0.5), bottom, "stroke=\"#e3e3e3\"");
+            // In two rows, so that neighbours have room.
+            svg += words(px(x), bottom + (i % 2 == 0 ? 17 : 32), "middle", panel_.categories[i]);
+        }
         return svg;
     }
 
@@ -216,20 +255,23 @@ private:
                      " fill=\"#888\"");
     }
 
-    [[nodiscard]] std::string curve(const PlotSeries& series) const {
+    /// @param moved  along x, for points side by side: they are not joined then
+    [[nodiscard]] std::string curve(const PlotSeries& series, double moved) const {
         const Style& style = styleOf(series.name);
         const std::string stroke = std::string("stroke=\"") + style.colour + "\"";
+        const bool joined = panel_.categories.empty();
         std::string bars;
         std::string dots;
         std::string path;
         for (const PlotPoint& p : series.points) {
             if (!y_.shows(p.y) || !x_.shows(p.x)) continue;
-            path += text(px(p.x)) + "," + text(py(p.y)) + " ";
-            dots += "<circle cx=\"" + text(px(p.x)) + "\" cy=\"" + text(py(p.y)) +
-                    "\" r=\"2.6\" fill=\"" + style.colour + "\"/>\n";
+            const double x = px(p.x + moved);
+            path += text(x) + "," + text(py(p.y)) + " ";
+            dots += dot(x, py(p.y), joined ? 2.6 : 3.4, style);
             if (std::isfinite(p.half) && p.half > 0 && y_.shows(p.y - p.half))
-                bars += line(px(p.x), py(p.y - p.half), px(p.x), py(p.y + p.half), stroke);
+                bars += line(x, py(p.y - p.half), x, py(p.y + p.half), stroke);
         }
+        if (!joined) return bars + dots;
         return bars + "<polyline fill=\"none\" " + stroke + " stroke-width=\"" + text(style.width) +
                "\" stroke-dasharray=\"" + style.dash + "\" points=\"" + path + "\"/>\n" + dots;
     }
@@ -237,6 +279,7 @@ private:
     const PlotPanel& panel_;
     double left_;
     double top_;
+    double innerWidth_;
     Axis x_;
     Axis y_;
 };
@@ -260,6 +303,7 @@ std::string legend(const std::vector<std::string>& names, int perRow) {
         svg += line(x, y - 4, x + 30, y - 4,
                     std::string("stroke=\"") + style.colour + "\" stroke-width=\"" +
                         text(style.width) + "\" stroke-dasharray=\"" + style.dash + "\"");
+        svg += dot(x + 15, y - 4, 3, style);
         svg += words(x + 36, y, "start", names[i]);
     }
     return svg;
@@ -268,7 +312,8 @@ std::string legend(const std::vector<std::string>& names, int perRow) {
 }  // namespace
 
 std::string drawPlot(const std::vector<PlotPanel>& panels, int columns) {
-    const double width = kWidth * columns;
+    const double panelWidth = columns == 1 ? 2 * kWidth : kWidth;
+    const double width = panelWidth * columns;
     const std::vector<std::string> names = namesOf(panels);
     const int perRow = std::max(1, static_cast<int>((width - 16) / kLegendItem));
     const auto legendRows = static_cast<double>((names.size() + perRow - 1) / perRow);
@@ -280,8 +325,8 @@ std::string drawPlot(const std::vector<PlotPanel>& panels, int columns) {
                       "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
     svg += legend(names, perRow);
     for (std::size_t i = 0; i < panels.size(); ++i)
-        svg += PanelDrawing(panels[i], kWidth * static_cast<double>(i % columns),
-                            head + kHeight * static_cast<double>(i / columns))
+        svg += PanelDrawing(panels[i], panelWidth * static_cast<double>(i % columns),
+                            head + kHeight * static_cast<double>(i / columns), panelWidth)
                    .draw();
     return svg + "</svg>\n";
 }

@@ -27,9 +27,11 @@ struct PlotPanel {
     std::vector<PlotSeries> series;
     /// Thin lines y ~ x^slope, from the upper left.
     std::vector<double> slopes = {};
+    /// If any: x is 1, 2, ... for these, points stand side by side and are not joined.
+    std::vector<std::string> categories = {};
 };
 
-/// Panels in rows of `columns`, with one legend above them. Points that are not numbers, or not
+/// Panels in rows of `columns`, two panels wide if there is one, with one legend above them. Points that are not numbers, or not
 /// above 0 on a logarithmic axis, are left out.
 [[nodiscard]] std::string drawPlot(const std::vector<PlotPanel>& panels, int columns);
 

@@ -28,19 +28,16 @@ std::string noisePlot(const View& view, const Names& methods, const std::string&
     return drawPlot(panels, 4);
 }
 
-/// Shapes along x, by number.
-PlotPanel shapePanel(const View& view, Measure measure, const std::string& title,
-                     bool logarithmic) {
-    PlotPanel panel{title, "shape: ", measure == Measure::rms ? "voxels" : "degrees"};
-    panel.logY = logarithmic;
-    const Names shapes = view.shapes();
-    for (std::size_t i = 0; i < shapes.size(); ++i)
-        panel.xLabel += (i == 0 ? "" : ", ") + std::to_string(i + 1) + " " + shapes[i];
+/// Shapes side by side.
+PlotPanel shapePanel(const View& view, Measure measure, const std::string& title) {
+    PlotPanel panel{title, "", measure == Measure::rms ? "voxels" : "degrees"};
+    panel.logY = true;
+    panel.categories = view.shapes();
     for (const std::string& method : view.methods()) {
         PlotSeries series{method, {}};
-        for (std::size_t i = 0; i < shapes.size(); ++i) {
+        for (std::size_t i = 0; i < panel.categories.size(); ++i) {
             const Interval mean =
-                view.mean({.shape = shapes[i], .method = method, .measure = measure});
+                view.mean({.shape = panel.categories[i], .method = method, .measure = measure});
             series.points.push_back({static_cast<double>(i + 1), mean.mean, mean.half});
         }
         panel.series.push_back(std::move(series));
@@ -82,15 +79,14 @@ std::map<std::string, std::string> drawPlots(const Measured& measured) {
     for (const auto& [section, samples] : measured) {
         const View view(samples);
         if (section == "shapes")
-            plots["shapes"] =
-                drawPlot({shapePanel(view, Measure::rms, "rms distance", true),
-                          shapePanel(view, Measure::normalMean, "normal error", true)},
-                         2);
+            plots["shapes"] = drawPlot({shapePanel(view, Measure::rms, "rms distance"),
+                                        shapePanel(view, Measure::normalMean, "normal error")},
+                                       1);
         if (section == "creases")
-            plots["creases"] = drawPlot(
-                {shapePanel(view, Measure::nearCrease, "1 to 3 voxels from a crease", true),
-                 shapePanel(view, Measure::farCrease, "farther away", true)},
-                2);
+            plots["creases"] =
+                drawPlot({shapePanel(view, Measure::nearCrease, "1 to 3 voxels from a crease"),
+                          shapePanel(view, Measure::farCrease, "farther away")},
+                         1);
         if (section == "normal-noise")
             plots[section] = noisePlot(view, noise, "tilt of the normals, degrees");
         if (section == "position-noise")
