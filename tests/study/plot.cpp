@@ -241,17 +241,16 @@ private:
         return svg;
     }
 
-    /// Through the first point of the first series.
     [[nodiscard]] std::string guide(double slope) const {
         if (panel_.series.empty() || panel_.series.front().points.size() < 2) return {};
         const auto& points = panel_.series.front().points;
         const auto [a, b] =
             std::minmax_element(points.begin(), points.end(),
                                 [](const PlotPoint& p, const PlotPoint& q) { return p.x < q.x; });
-        const double end = b->y * std::pow(a->x / b->x, slope);
+        const double end = b->y * std::pow(b->x / a->x, slope);
         return line(px(b->x), py(b->y), px(a->x), py(end),
                     "stroke=\"#bbb\" stroke-dasharray=\"1 3\"") +
-               words(px(a->x) + 4, py(end) - 5, "start", "order " + markText(slope),
+               words(px(a->x) + 4, py(end) + 14, "start", "order " + markText(slope),
                      " fill=\"#888\"");
     }
 
@@ -298,8 +297,9 @@ std::string legend(const std::vector<std::string>& names, int perRow) {
     std::string svg;
     for (std::size_t i = 0; i < names.size(); ++i) {
         const Style& style = styleOf(names[i]);
+        const std::size_t row = i / perRow;
         const double x = 16 + kLegendItem * static_cast<double>(i % perRow);
-        const double y = 20 + kLegendRow * static_cast<double>(i / perRow);
+        const double y = 20 + kLegendRow * static_cast<double>(row);
         svg += line(x, y - 4, x + 30, y - 4,
                     std::string("stroke=\"") + style.colour + "\" stroke-width=\"" +
                         text(style.width) + "\" stroke-dasharray=\"" + style.dash + "\"");
@@ -316,18 +316,20 @@ std::string drawPlot(const std::vector<PlotPanel>& panels, int columns) {
     const double width = panelWidth * columns;
     const std::vector<std::string> names = namesOf(panels);
     const int perRow = std::max(1, static_cast<int>((width - 16) / kLegendItem));
-    const auto legendRows = static_cast<double>((names.size() + perRow - 1) / perRow);
-    const double head = 12 + kLegendRow * legendRows;
-    const auto rows = static_cast<double>((panels.size() + columns - 1) / columns);
+    const std::size_t legendRows = (names.size() + perRow - 1) / perRow;
+    const double head = 12 + kLegendRow * static_cast<double>(legendRows);
+    const std::size_t rows = (panels.size() + columns - 1) / columns;
     std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + text(width, 0) +
-                      " " + text(head + kHeight * rows, 0) +
+                      " " + text(head + kHeight * static_cast<double>(rows), 0) +
                       "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#222\">\n"
                       "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
     svg += legend(names, perRow);
-    for (std::size_t i = 0; i < panels.size(); ++i)
-        svg += PanelDrawing(panels[i], panelWidth * static_cast<double>(i % columns),
-                            head + kHeight * static_cast<double>(i / columns), panelWidth)
-                   .draw();
+    for (std::size_t i = 0; i < panels.size(); ++i) {
+        const std::size_t row = i / columns;
+        const double left = panelWidth * static_cast<double>(i % columns);
+        const double top = head + kHeight * static_cast<double>(row);
+        svg += PanelDrawing(panels[i], left, top, panelWidth).draw();
+    }
     return svg + "</svg>\n";
 }
 

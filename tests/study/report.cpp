@@ -305,9 +305,10 @@ std::string writeReport(const Measured& measured, const RunFacts& facts) {
     for (const auto& [name, seconds] : facts.seconds) total += seconds;
     std::string text = "# Results of the study\n\nMade by `./dev study --save` from commit " +
                        facts.commit + ": " + decimals(total / 60, 1) + " minutes with " +
-                       std::to_string(facts.threads) +
-                       " threads. Everything but the times is the same in every run.\n" +
-                       kSettings + writeVerdicts(measured);
+                       std::to_string(facts.threads) + " threads, at a load average of " +
+                       decimals(facts.load, 1) + " on " + std::to_string(facts.cores) +
+                       " cores. Everything but the times is the same in every run.\n" + kSettings +
+                       writeVerdicts(measured);
     for (const Section& section : kSections) {
         text += std::string("\n## ") + section.title + "\n\n";
         const auto found = measured.find(section.name);

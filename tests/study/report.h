@@ -14,6 +14,8 @@ struct RunFacts {
     std::string commit;
     std::map<std::string, double> seconds;  ///< of each section
     int threads = 1;
+    int cores = 1;
+    double load = 0;  ///< of the machine, the mean of the last 15 minutes
 };
 
 /// Samples by section; sections that were not measured are missing.

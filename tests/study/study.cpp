@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -60,10 +61,12 @@ void makeQuick(Scale& scale) {
     scale.largest = 32;
 }
 
+int cores() { return static_cast<int>(std::max(1U, std::thread::hardware_concurrency())); }
+
 Arguments parse(const std::vector<std::string>& words) {
     constexpr int kMost = 1024;
     Arguments arguments;
-    arguments.scale.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    arguments.scale.threads = cores();
     for (std::size_t i = 0; i < words.size(); ++i) {
         const std::string& word = words[i];
         const auto value = [&]() -> const std::string& {
@@ -120,7 +123,9 @@ bool measureSection(const Arguments& arguments, const std::string& section) {
 
 bool report(const Arguments& arguments) {
     Measured measured;
-    RunFacts facts{arguments.commit, {}, arguments.scale.threads};
+    RunFacts facts{arguments.commit, {}, arguments.scale.threads, cores()};
+    std::array<double, 3> loads{};
+    if (getloadavg(loads.data(), 3) == 3) facts.load = loads[2];
     for (const std::string& section : sectionNames()) {
         auto samples = readSamples(arguments.out, section);
         if (!samples) continue;
