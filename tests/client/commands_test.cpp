@@ -257,7 +257,8 @@ TEST_CASE("reject: a wrong command line is refused before anything is sent") {
     refused(fixture.regularize({"--alpha", "0"}), "alpha");
     refused(fixture.regularize({"--preset", "best"}), "preset");
     refused(fixture.regularize({"--alfa", "1"}), "did you mean --alpha?");
-    refused(fixture.regularize({"-o", "house.stl"}), "no result is a .stl, they are glb, obj, vox, nrrd");
+    refused(fixture.regularize({"-o", "house.stl"}),
+            "no result is a .stl, they are glb, obj, vox, nrrd");
     refused(fixture.regularize({"-o", "house.obj", "--output", "glb"}), "no name for --output glb");
     refused(fixture.regularize({fixture.folder / "missing.vox"}), "missing.vox");
     refused(fixture.regularize({"other.vox", "-o", "one.glb"}), "folder");
