@@ -322,8 +322,7 @@ Option embossOption() {
                 std::vector<core::EmbossRule>& rules = options.conversion.emboss.rules;
                 if (const auto* word = std::get_if<Word>(&value)) {
                     if (word->index == 0) return;
-                    const auto kind = static_cast<core::TileKind>(word->index);
-                    rules = {{"*", {.kind = kind}}};
+                    rules = {{"*", {.kind = static_cast<core::TileKind>(word->index)}}};
                     return;
                 }
                 rules = std::get<std::vector<core::EmbossRule>>(value);

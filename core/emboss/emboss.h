@@ -21,14 +21,14 @@ struct EmbossInput {
     const VoxelGrid& grid;
     const DigitalSurface& surface;
     const SurfelLinks& links;
-    const NormalField& normals;       ///< the estimate; it chooses the tile frames
+    const NormalField& normals;       ///< the estimate; it chooses the frames
     const PointelVectors& positions;  ///< where the pointels have moved to
 };
 
 /// Cuts the surfels and gives the faces of some materials the relief of height tiles.
 ///
-/// `displace`: each pointel moves by the mean height there along the mean normal, mitred at creases.
-/// `normals`: each piece gets the normal of its tile, n' = normalize(n - h_u t_u - h_v t_v), and the
+/// `displace`: each pointel moves by the mean height along the mean normal, mitred at creases.
+/// `normals`: each piece gets the normal of the tile, n' = normalize(n - h_u t_u - h_v t_v), the
 /// energy is minimized again, counted from the surface that is there (`RestShape`), with what
 /// `displace` gives as targets of the data term. Without these, heights that do not fit together,
 /// where tiles meet at corners, would lift or sink whole walls.

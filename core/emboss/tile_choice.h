@@ -27,7 +27,7 @@ public:
     static Result<TileChoice> make(const VoxelGrid& grid, const EmbossOptions& options,
                                    double step);
 
-    /// That of the inner side; between two regions, where the inner one has none, that of the outer.
+    /// That of the inner side; between two regions, where the inner one has none, of the outer.
     [[nodiscard]] FaceTile of(const DigitalSurface& surface, SurfelId s) const;
 
 private:
