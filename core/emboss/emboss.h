@@ -28,10 +28,10 @@ struct EmbossInput {
 /// Cuts the surfels and gives the faces of some materials the relief of height tiles.
 ///
 /// `displace`: each pointel moves by the mean height along the mean normal, mitred at creases.
-/// `normals`: each piece gets the normal of the tile, n' = normalize(n - h_u t_u - h_v t_v), the
-/// energy is minimized again, counted from the surface that is there (`RestShape`), with what
-/// `displace` gives as targets of the data term. Without these, heights that do not fit together,
-/// where tiles meet at corners, would lift or sink whole walls.
+/// `normals`: each piece gets the normal of its tile, n' = normalize(n - h_u t_u - h_v t_v).
+/// Then the energy is minimized again, counted from the surface that is there (`RestShape`), with
+/// what `displace` gives as targets of the data term. Without these, heights that do not fit
+/// together, where tiles meet at corners, would lift or sink whole walls.
 ///
 /// No pointel moves further than the depth of the tiles around it, none without a tile around it
 /// moves at all, and each stays within the displacement limit of its own place on its voxel face:
