@@ -42,7 +42,7 @@ constexpr std::array<Style, 20> kStyles = {{{"raw", "#999999", "2 3", 1.5},
                                             {"noisy", "#000000", "2 3", 2.2},
                                             {"guided", "#f0c000", "", 2.2},
                                             {"AT", "#8855cc", "", 2.2},
-                                            {"II", "#cc79a7", "", 2.2},
+                                            {"II", "#7f0000", "5 4", 2.2},
                                             {"gradient descent", "#d55e00", "", 2.2},
                                             {"accelerated", "#009e73", "", 2.2}}};
 
@@ -242,8 +242,11 @@ private:
     }
 
     [[nodiscard]] std::string guide(double slope) const {
-        if (panel_.series.empty() || panel_.series.front().points.size() < 2) return {};
-        const auto& points = panel_.series.front().points;
+        const auto named =
+            std::find_if(panel_.series.begin(), panel_.series.end(),
+                         [](const PlotSeries& series) { return series.name == "studio"; });
+        if (named == panel_.series.end() || named->points.size() < 2) return {};
+        const auto& points = named->points;
         const auto [a, b] =
             std::minmax_element(points.begin(), points.end(),
                                 [](const PlotPoint& p, const PlotPoint& q) { return p.x < q.x; });

@@ -25,7 +25,7 @@ struct PlotPanel {
     bool logX = false;
     bool logY = false;
     std::vector<PlotSeries> series;
-    /// Thin lines y ~ x^-slope, through the last point of the first series.
+    /// Thin lines y ~ x^-slope, through the last point of `studio`.
     std::vector<double> slopes = {};
     /// If any: x is 1, 2, ... for these, points stand side by side and are not joined.
     std::vector<std::string> categories = {};
