@@ -126,6 +126,28 @@ TEST_CASE("dual contouring: finds the corner of three planes, and the cell keeps
         CHECK((kept[PointelId{i}] - surface.position(PointelId{i})).cwiseAbs().maxCoeff() <= 0.5);
 }
 
+// Three planes through the crossings of a corner, each tilted a little against the first.
+TEST_CASE("dual contouring: planes are told apart down to a tenth, no further") {
+    const VoxelGrid grid = makeGrid(Vec3i::Ones(), 1, [](const Vec3i&) { return 1; });
+    const DigitalSurface surface = *extractSurface(grid, {});
+    const Crossings points = crossings(surface, 0, 1);
+    for (const double tilt : {0.35, 0.05}) {
+        CAPTURE(tilt);
+        NormalField normals(surface.surfelCount(), Vec3d::UnitZ());
+        for (std::uint32_t i = 0; i < normals.size(); ++i)
+            if (surface.axis[SurfelId{i}] != 2)
+                normals[SurfelId{i}][surface.axis[SurfelId{i}]] = tilt;
+        for (Vec3d& normal : normals) normal.normalize();
+        const PointelVectors x = dualContouring(surface, points, normals, false);
+        double most = 0;
+        for (std::uint32_t i = 0; i < surface.surfelCount(); ++i)
+            for (const PointelId p : surface.corners[SurfelId{i}])
+                most =
+                    std::max(most, std::abs(normals[SurfelId{i}].dot(x[p] - points[SurfelId{i}])));
+        CHECK((most < 1e-9) == (tilt > 0.1));
+    }
+}
+
 TEST_CASE("surface nets: the vertices of a lone voxel lie two thirds out") {
     const VoxelGrid grid = makeGrid(Vec3i::Ones(), 1, [](const Vec3i&) { return 1; });
     const DigitalSurface surface = *extractSurface(grid, {});
