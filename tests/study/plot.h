@@ -31,8 +31,8 @@ struct PlotPanel {
     std::vector<std::string> categories = {};
 };
 
-/// Panels in rows of `columns`, two panels wide if there is one, with one legend above them. Points that are not numbers, or not
-/// above 0 on a logarithmic axis, are left out.
+/// Panels in rows of `columns`, two panels wide if there is one, with one legend above them. Points
+/// that are not numbers, or not above 0 on a logarithmic axis, are left out.
 [[nodiscard]] std::string drawPlot(const std::vector<PlotPanel>& panels, int columns);
 
 }  // namespace rivage::study
