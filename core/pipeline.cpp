@@ -19,6 +19,7 @@
 #include "core/mesh/crossing.h"
 #include "core/mesh/inverted.h"
 #include "core/normals/normal_field.h"
+#include "core/size_check.h"
 #include "core/solve/minimize.h"
 #include "core/surface/digital_surface.h"
 #include "core/surface/split_umbrellas.h"
@@ -71,60 +72,6 @@ Result<Input> readGrid(std::span<const std::byte> bytes, const InputOptions& opt
     InputReport report = describe(*scene, *grid, options, run);
     if (run.stopped()) return fail(run.stopError());
     return Input{*std::move(grid), std::move(report), std::move(scene->warnings)};
-}
-
-/// What the pieces of an embossed surface add at their peak, above.
-std::uint64_t embossMemory(const SurfaceSize& size, const EmbossOptions& emboss) {
-    constexpr std::uint64_t kBytesPerSolvedPiece = 1200;
-    constexpr std::uint64_t kBytesPerMovedPiece = 600;
-    if (emboss.rules.empty()) return 0;
-    const bool solved = emboss.method == EmbossMethod::normals;
-    return (solved ? kBytesPerSolvedPiece : kBytesPerMovedPiece) * size.surfels *
-           static_cast<std::uint64_t>(emboss.detail * emboss.detail);
-}
-
-/// Peak memory of a conversion, from its counts: the surface, the energy, the solver with the most
-/// vectors, the mesh and the artifact. Measured peaks are 450 (noise) to 1060 bytes a surfel (voxel
-/// art).
-std::uint64_t predictMemory(const VoxelGrid& grid, const SurfaceSize& size,
-                            const EmbossOptions& emboss = {}) {
-    constexpr std::uint64_t kBytesPerSurfel = 1200;
-    constexpr std::uint64_t kFixed = 16ULL << 20;
-    // Extraction counts the cells of each row of pointels, empty or not.
-    constexpr std::uint64_t kBytesPerRow = 16;
-    const Vec3i& dims = grid.voxels.size();
-    const std::uint64_t rows = (dims.y() + std::uint64_t{1}) * (dims.z() + std::uint64_t{1});
-    return kFixed + grid.voxels.memoryBytes() + kBytesPerRow * rows +
-           kBytesPerSurfel * size.surfels + embossMemory(size, emboss);
-}
-
-std::optional<Error> aboveBudget(const VoxelGrid& grid, const SurfaceSize& size,
-                                 const EmbossOptions& emboss, const Limits& limits) {
-    const std::uint64_t memory = predictMemory(grid, size, emboss);
-    if (memory <= limits.maxMemory) return std::nullopt;
-    return Error{
-        ErrorCode::memoryBudget,
-        "the conversion of this grid would take more memory (bytes) than the budget of one "
-        "conversion",
-        "/grid",
-        limits.maxMemory,
-        memory,
-        "--memory-budget"};
-}
-
-/// @param options  none: nothing is written
-Result<SurfaceSize> checkSize(const VoxelGrid& grid, const ConversionOptions* options,
-                              const RunContext& run) {
-    const EmbossOptions emboss = options ? options->emboss : EmbossOptions{};
-    if (const auto error = aboveBudget(grid, {}, emboss, run.limits)) return fail(*error);
-    const auto size = countSurface(grid, run);
-    if (!size) return size;
-    if (const auto error = aboveBudget(grid, *size, emboss, run.limits)) return fail(*error);
-    if (!options || !isVoxels(options->output.format)) return size;
-    const auto fits =
-        checkVoxelOutput(grid, {size->surfels, predictMemory(grid, *size)}, options->output, run);
-    if (!fits) return fail(fits.error());
-    return size;
 }
 
 /// Means nothing once `run` asked to stop.

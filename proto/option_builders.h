@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -9,10 +10,18 @@
 
 /// Makes the options of the common kinds. `reference` gives the field of the options that an option
 /// sets, e.g. `[](ConversionOptions& o) -> double& { return o.method.energy.alpha; }`. Internal to
-/// `proto/option_table.cpp`.
+/// the option table.
 namespace rivage::proto {
 
 using core::ConversionOptions;
+
+/// The option, without effect but where `applies`; `condition` says where that is.
+[[nodiscard]] inline Option onlyWith(std::string condition, Option option,
+                                     std::function<bool(const ConversionOptions&)> applies) {
+    option.info.onlyWith = std::move(condition);
+    option.applies = [applies](const JobOptions& options) { return applies(options.conversion); };
+    return option;
+}
 
 /// An enumeration whose enumerators are numbered as `words` are.
 template <typename Reference>

@@ -27,6 +27,9 @@ struct Option {
 
 [[nodiscard]] const std::vector<Option>& optionTable();
 
+/// The part of the table that is about results: relief, format, compression.
+void addResultOptions(std::vector<Option>& table);
+
 /// Reads a value as text ("0.5", "draco", "64x68x40") for one option.
 /// @errors invalidOption, with the name, what is allowed and what was given
 core::Result<OptionValue> parseValue(const OptionInfo& info, std::string_view text);

@@ -184,7 +184,7 @@ TEST_CASE("view: quotients pair the same shapes and poses") {
 
 TEST_CASE("determinism: threads do not change the samples") {
     const TemporaryFolder folder;
-    Scale scale{.poses = 1, .resolution = 12, .largest = 16, .threads = 1, .quick = true};
+    Effort scale{.poses = 1, .resolution = 12, .largest = 16, .threads = 1, .quick = true};
     REQUIRE(writeSamples(folder.path(), "one", runSection("position-noise", scale)));
     scale.threads = 7;
     REQUIRE(writeSamples(folder.path(), "seven", runSection("position-noise", scale)));

@@ -34,7 +34,7 @@ std::vector<Method> methodsOf(const Names& names) {
 }
 
 /// The shapes of a section in all poses.
-std::vector<Task> tasksFor(const Names& shapes, const Scale& scale, const Names& methods) {
+std::vector<Task> tasksFor(const Names& shapes, const Effort& scale, const Names& methods) {
     std::vector<Task> tasks;
     for (const std::string& shape : scale.quick ? kQuickShapes : shapes)
         for (int p = 0; p < scale.poses; ++p) {
@@ -74,7 +74,7 @@ Names creasedShapes() {
     return names;
 }
 
-std::vector<Task> shapeTasks(const Scale& scale) {
+std::vector<Task> shapeTasks(const Effort& scale) {
     std::vector<Task> tasks =
         tasksFor(allShapes(), scale,
                  {"raw", "MC", "DC", "DC in cell", "SN", "SN 16", "paper", "paper, auto normals",
@@ -83,8 +83,8 @@ std::vector<Task> shapeTasks(const Scale& scale) {
     return tasks;
 }
 
-std::vector<Task> creaseTasks(const Scale& scale) {
-    Scale creased = scale;
+std::vector<Task> creaseTasks(const Effort& scale) {
+    Effort creased = scale;
     creased.quick = false;
     std::vector<Task> tasks = tasksFor(scale.quick ? Names{"box"} : creasedShapes(), creased,
                                        {"MC", "DC", "DC in cell", "SN 16", "paper", "studio",
@@ -93,7 +93,7 @@ std::vector<Task> creaseTasks(const Scale& scale) {
     return tasks;
 }
 
-std::vector<Task> normalTasks(const Scale& scale) {
+std::vector<Task> normalTasks(const Effort& scale) {
     const std::vector<double> levels =
         scale.quick ? std::vector<double>{0, 20} : std::vector<double>{0, 5, 10, 20, 40};
     return atLevels(tasksFor(kNoiseShapes, scale,
@@ -102,7 +102,7 @@ std::vector<Task> normalTasks(const Scale& scale) {
                     levels, [](Task& task, double level) { task.disturbance.normalTilt = level; });
 }
 
-std::vector<Task> positionTasks(const Scale& scale) {
+std::vector<Task> positionTasks(const Effort& scale) {
     const std::vector<double> levels =
         scale.quick ? std::vector<double>{0, 0.5} : std::vector<double>{0, 0.1, 0.25, 0.5};
     return atLevels(
@@ -111,7 +111,7 @@ std::vector<Task> positionTasks(const Scale& scale) {
         levels, [](Task& task, double level) { task.disturbance.positionNoise = level; });
 }
 
-std::vector<Task> labelTasks(const Scale& scale) {
+std::vector<Task> labelTasks(const Effort& scale) {
     constexpr std::size_t kLeastPart = 40;  // smaller parts are specks of noise
     const std::vector<double> levels =
         scale.quick ? std::vector<double>{0.2} : std::vector<double>{0.1, 0.2, 0.3, 0.4, 0.5};
@@ -136,13 +136,13 @@ std::vector<Method> growingMethods(int resolution) {
     return {paper, studio};
 }
 
-std::vector<Task> convergenceTasks(const Scale& scale) {
+std::vector<Task> convergenceTasks(const Effort& scale) {
     constexpr int kLargestGrowing = 128;  // balls of 19 voxels take minutes at 256
     const std::vector<int> resolutions = {256, 128, 64, 32, 16};  // the long ones first
     std::vector<Task> tasks;
     for (const int resolution : resolutions) {
         if (resolution > scale.largest) continue;
-        Scale one = scale;
+        Effort one = scale;
         one.resolution = resolution;
         one.quick = false;
         one.poses = std::min(scale.poses, resolution == 256 ? 2 : resolution == 128 ? 4 : 8);
@@ -161,7 +161,7 @@ std::vector<Task> convergenceTasks(const Scale& scale) {
     return tasks;
 }
 
-std::vector<Task> tasksOf(const std::string& section, const Scale& scale) {
+std::vector<Task> tasksOf(const std::string& section, const Effort& scale) {
     if (section == "shapes") return shapeTasks(scale);
     if (section == "normal-noise") return normalTasks(scale);
     if (section == "position-noise") return positionTasks(scale);
@@ -195,7 +195,7 @@ const std::vector<std::string>& sectionNames() {
     return names;
 }
 
-Samples runSection(const std::string& name, const Scale& scale) {
+Samples runSection(const std::string& name, const Effort& scale) {
     if (name == "speed") return runSpeed();
     const std::vector<Task> tasks = tasksOf(name, scale);
     std::vector<Samples> results(tasks.size());

@@ -8,7 +8,7 @@
 /// What the study measures, section by section.
 namespace rivage::study {
 
-struct Scale {
+struct Effort {
     int poses = 8;
     int resolution = 32;  ///< of all sections but `convergence`
     int largest = 256;    ///< resolution of `convergence`
@@ -20,7 +20,7 @@ struct Scale {
 [[nodiscard]] const std::vector<std::string>& sectionNames();
 
 /// Runs a section; the same samples for any number of threads, but for their times.
-[[nodiscard]] Samples runSection(const std::string& name, const Scale& scale);
+[[nodiscard]] Samples runSection(const std::string& name, const Effort& scale);
 
 /// Section `speed`: gradients and steps of the solvers on the sample `island`, whose 64 x 68 x 40
 /// voxels are as many as those of the Lake of [CGL18]. `level` is the number of steps;

@@ -25,7 +25,7 @@ namespace {
 struct Arguments {
     std::filesystem::path out;
     std::string commit = "unknown";
-    Scale scale;
+    Effort scale;
     std::vector<std::string> sections;
 };
 
@@ -54,7 +54,7 @@ void addSection(const std::string& name, std::vector<std::string>& sections) {
     sections.push_back(name);
 }
 
-void makeQuick(Scale& scale) {
+void makeQuick(Effort& scale) {
     scale.quick = true;
     scale.poses = 2;
     scale.resolution = 16;

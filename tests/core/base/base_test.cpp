@@ -100,12 +100,13 @@ TEST_SUITE("core/base") {
         CHECK_FALSE(json["output"].contains("bytes"));
         CHECK(json["closed"]["sea"] == true);
         CHECK(json["closed"]["island"] == false);
-        report.milliseconds = {1, 2, 3, 4, 5, 6};
+        report.milliseconds = {1, 2, 3, 4, 5, 6, 7};
         report.output.bytes = 9;
         json = toJson(report);
         CHECK(json["milliseconds"]["parse"] == 1);
-        CHECK(json["milliseconds"]["write"] == 6);
-        CHECK(json["milliseconds"]["total"] == 21);
+        CHECK(json["milliseconds"]["emboss"] == 5);
+        CHECK(json["milliseconds"]["write"] == 7);
+        CHECK(json["milliseconds"]["total"] == 28);
         CHECK(json["output"]["bytes"] == 9);
     }
 }
