@@ -159,7 +159,7 @@ kept     p99 = 6.98 ms, at most 100 ms
             for (const char* bad : {"\x1b", "\x07", "\xc2\x9b", "\n# x"})
                 CHECK(text.find(bad) == std::string::npos);
         }
-        CHECK(markdown.find("a?\\[2J?\\|&lt;b> # x \\`y\\`") != std::string::npos);
+        CHECK(markdown.find("a?\\[2J?\\|&lt;b>?# x \\`y\\`") != std::string::npos);
         CHECK(markdown.find("<script>") == std::string::npos);
         const std::string svg = drawSvg({{"<t>\x1b&", {{"n\x1b<", "#111", {{1, 1}}}}, {}}});
         CHECK(svg.find("&lt;t>?&amp;") != std::string::npos);

@@ -104,8 +104,12 @@ TEST_SUITE("core/base") {
         report.output.bytes = 9;
         json = toJson(report);
         CHECK(json["milliseconds"]["parse"] == 1);
-        CHECK(json["milliseconds"]["emboss"] == 5);
+        CHECK_FALSE(json["milliseconds"].contains("emboss"));
         CHECK(json["milliseconds"]["write"] == 7);
+        CHECK(json["milliseconds"]["total"] == 23);
+        report.emboss.emplace();
+        json = toJson(report);
+        CHECK(json["milliseconds"]["emboss"] == 5);
         CHECK(json["milliseconds"]["total"] == 28);
         CHECK(json["output"]["bytes"] == 9);
     }
