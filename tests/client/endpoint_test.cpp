@@ -30,6 +30,7 @@ TEST_CASE("reject: what is no address") {
     }
     CHECK_FALSE(parseEndpoint("unix:/" + std::string(107, 'x')));
     CHECK(parseEndpoint("unix:/" + std::string(106, 'x')));
+    CHECK(describe(parseEndpoint("http://::1").error()).find("in brackets") != std::string::npos);
 }
 
 TEST_CASE("reject: a password in an address, which no words show") {

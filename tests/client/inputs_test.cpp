@@ -1,6 +1,8 @@
 #include "client/inputs.h"
 
 #include <doctest/doctest.h>
+#include <sys/fsuid.h>
+#include <unistd.h>
 
 #include "tests/client/fake_server.h"
 #include "tests/client/run.h"
@@ -103,6 +105,28 @@ TEST_CASE("inputs: what a search meets and cannot read is named") {
     CHECK(inputs->unread[0].why.find("name too long") != std::string::npos);
     CHECK(inputs->unread[1].path.ends_with("gone.vox"));
     CHECK(inputs->unread[2].path.ends_with("loop.vox"));
+}
+
+TEST_CASE("inputs: a folder that may not be read is named, and the others are found") {
+    const Tree tree;
+    namespace fs = std::filesystem;
+    const fs::path back = fs::current_path();
+    fs::current_path(tree.folder / "models");
+    for (const char* name : {".", "a"}) fs::permissions(name, fs::perms(0755));
+    fs::permissions("a/deep", fs::perms::none);
+    // The superuser may read it: as somebody else then, as far as files go.
+    constexpr uid_t kNobody = 65534;
+    const int before = setfsuid(geteuid() == 0 ? kNobody : geteuid());
+    const auto inputs = findInputs({"."}, {".vox"}, false);
+    setfsuid(static_cast<uid_t>(before));
+    fs::permissions("a/deep", fs::perms::owner_all);
+    fs::current_path(back);
+    REQUIRE(inputs);
+    REQUIRE(inputs->files.size() == 1);
+    CHECK(inputs->files[0].below == "b.vox");
+    REQUIRE(inputs->unread.size() == 1);
+    CHECK(inputs->unread[0].path.ends_with("a/deep"));
+    CHECK(inputs->unread[0].why == "Permission denied");
 }
 
 TEST_CASE("inputs: a name with a bracket that is a file is no pattern") {

@@ -149,6 +149,22 @@ TEST_CASE("misbehaving: a digest that does not fit, once and always") {
     CHECK(saysRecovery(again));
 }
 
+TEST_CASE("misbehaving: stdout gets a result when it is whole, and nothing of a damaged one") {
+    const std::string bytes = manyBytes(8);
+    for (const int bad : {1, 2}) {
+        CAPTURE(bad);
+        BadServer server([&](const std::string&, const RawConnection& connection, int number) {
+            ResultAnswer answer{.bytes = bytes};
+            if (number <= bad) answer.digest = digestOf("something else");
+            connection.send(answer.text());
+        });
+        Run run;
+        server.regularize(run, {"-o", "-"});
+        CHECK(run.code == (bad == 1 ? ExitCode::ok : ExitCode::unreachable));
+        CHECK((run.out.str() == (bad == 1 ? bytes : "")));
+    }
+}
+
 TEST_CASE("misbehaving: a Content-Length that lies") {
     const std::string bytes = manyBytes(9);
     for (const std::size_t length : {bytes.size() - 100, bytes.size() + 100}) {

@@ -89,7 +89,7 @@ TEST_CASE("reject: a stdout that takes nothing") {
     }
 }
 
-TEST_CASE("reject: a list of jobs whose next page is itself, or has no end") {
+TEST_CASE("reject: a list of jobs whose next page is itself") {
     FakeServer server;
     std::atomic<int> pages{0};
     server.http.Get("/v1/jobs", [&](const httplib::Request&, httplib::Response& response) {
@@ -103,6 +103,33 @@ TEST_CASE("reject: a list of jobs whose next page is itself, or has no end") {
     CHECK(run.code == ExitCode::failed);
     CHECK(run.err.str().find("goes in circles") != std::string::npos);
     CHECK(pages == 2);
+}
+
+TEST_CASE("reject: a list of jobs that goes on elsewhere, or has no end") {
+    std::string many = "{}";
+    for (int i = 1; i < 100'000; ++i) many += ",{}";
+    std::atomic<int> pages{0};
+    std::atomic<int> followed{0};
+    FakeServer server;
+    server.http.Get("/v1/jobs", [&](const httplib::Request& request, httplib::Response& response) {
+        const bool foreign = request.has_param("state");
+        const std::string next =
+            foreign ? "/elsewhere" : "/v1/jobs?after=" + std::to_string(++pages);
+        response.set_content(R"({"jobs":[)" + many + R"(],"next":")" + next + "\"}",
+                             "application/json");
+    });
+    server.http.Get("/elsewhere", [&](const auto&, auto&) { ++followed; });
+    server.start();
+    Run elsewhere;
+    elsewhere({"jobs", "list", "--limit", "0", "--state", "failed", "--server", server.url()});
+    CHECK(elsewhere.code == ExitCode::failed);
+    CHECK(elsewhere.err.str().find("a foreign link") != std::string::npos);
+    CHECK(followed == 0);
+    Run endless;
+    endless({"jobs", "list", "--limit", "0", "--server", server.url()});
+    CHECK(endless.code == ExitCode::failed);
+    CHECK(endless.err.str().find("without an end") != std::string::npos);
+    CHECK(pages == 11);
 }
 
 TEST_CASE("reject: a redirection is named, not followed") {

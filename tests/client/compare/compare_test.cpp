@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include <chrono>
+#include <ctime>
 
 #include "glb_builder.h"
 
@@ -229,7 +229,7 @@ TEST_SUITE("client/compare") {
     }
 
     // Both used to take more than 25 s: each part looked at the vertices of all, and each search
-    // met every copy of a triangle.
+    // met every copy of a triangle. Time of the processors, as others may use them too.
     TEST_CASE("regression: very many parts, and very many copies of one triangle") {
         std::vector<Shape> parts;
         for (int i = 0; i < 20'000; ++i)
@@ -239,14 +239,13 @@ TEST_SUITE("client/compare") {
         for (std::uint32_t i = 0; i < 100'000; ++i)
             copies.triangles.push_back({i % 3, (i + 1) % 3, (i + 2) % 3});
         for (const auto& shapes : {parts, std::vector<Shape>{copies}}) {
-            const auto start = std::chrono::steady_clock::now();
+            const std::clock_t start = std::clock();
             const std::string bytes = plainGlb(shapes).bytes();
             const auto json = compareAssets(bytes, bytes);
             REQUIRE(json);
             CHECK((*json)["distance"]["max"]["meters"] == 0);
-            const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
-            CHECK(time.count() < 10);
-            MESSAGE(time.count());
+            const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+            CHECK(seconds < 10);
         }
     }
 }
