@@ -87,6 +87,7 @@ TEST_CASE("reject: compare with a broken file, a folder and a file, empty folder
     Run stopped;
     stopped.interrupt.request();
     CHECK(folders.compare(stopped).code == ExitCode::cancelled);
+    CHECK(stopped.out.str().empty());
 }
 
 TEST_SUITE_END();
