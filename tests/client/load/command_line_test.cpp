@@ -116,7 +116,9 @@ TEST_SUITE("client/load") {
               std::string::npos);
         CHECK(command({"go"}).err.find("there is no command \"go\"; there are run, search") !=
               std::string::npos);
-        CHECK(command({"run", "--r\x1b[2Jat"}).err.find('\x1b') == std::string::npos);
+        const Ended steering = command({"stub", "--p\x1b[2Jat"});
+        CHECK(steering.err.find("--p?[2Jat") != std::string::npos);
+        CHECK(steering.err.find('\x1b') == std::string::npos);
     }
 
     TEST_CASE("safety: another machine is only asked if its owner says so") {

@@ -329,10 +329,15 @@ TEST_SUITE("client/load") {
     }
 
     TEST_CASE("health: as many files may be open as the user may have") {
-        CHECK(prepareFiles());
         rlimit before{};
         getrlimit(RLIMIT_NOFILE, &before);
-        CHECK(before.rlim_cur == before.rlim_max);
+        rlimit files = before;
+        files.rlim_cur = 256;
+        REQUIRE(setrlimit(RLIMIT_NOFILE, &files) == 0);
+        CHECK(prepareFiles());
+        getrlimit(RLIMIT_NOFILE, &files);
+        setrlimit(RLIMIT_NOFILE, &before);
+        CHECK(files.rlim_cur == files.rlim_max);
     }
 
     TEST_CASE("reject: a Location that is no job of this server is not asked for") {
