@@ -1,16 +1,13 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
 #include "core/formats/read_scene.h"
 #include "core/pipeline.h"
 #include "core/samples/samples.h"
+#include "tests/bench/inputs.h"
 #include "tests/support/intersections.h"
 #include "tests/support/regularized.h"
 #include "tests/support/voxel_centres.h"
@@ -25,14 +22,6 @@ using namespace rivage::core;
 using namespace rivage::test;
 
 namespace {
-
-std::vector<std::byte> readFile(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    const std::string text((std::istreambuf_iterator<char>(file)), {});
-    std::vector<std::byte> bytes(text.size());
-    std::memcpy(bytes.data(), text.data(), text.size());
-    return bytes;
-}
 
 /// Wall time by stage, from the stages that a conversion reports.
 class StageClock {
@@ -59,27 +48,6 @@ private:
     Stage stage_ = Stage::parse;
     bool running_ = false;
 };
-
-/// A grid file and how its materials become labels.
-struct Input {
-    std::string name;
-    std::vector<std::byte> bytes;
-    InputOptions options = {};
-};
-
-std::vector<Input> inputs(int count, char** files) {
-    std::vector<Input> all;
-    for (int i = 0; i < count; ++i) {
-        const std::filesystem::path path = files[i];
-        all.push_back({path.stem().string(), readFile(path)});
-    }
-    if (count > 0) return all;
-    for (const SampleInfo& info : sampleInfos()) {
-        const std::string name(info.name);
-        all.push_back({name, *sampleScene(name), {.labels = info.labels}});
-    }
-    return all;
-}
 
 struct Faults {
     std::size_t wrongCentres = 0;

@@ -1,9 +1,5 @@
 #include <chrono>
 #include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
@@ -14,6 +10,7 @@
 #include "core/samples/samples.h"
 #include "core/voxelize/revoxelize.h"
 #include "core/voxelize/voxel_scene.h"
+#include "tests/bench/inputs.h"
 #include "tests/support/regularized.h"
 
 // voxelize_table [FILE...]: each grid file, or without files each sample scene, regularized once with
@@ -33,30 +30,6 @@ using Clock = std::chrono::steady_clock;
 
 double since(Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-struct Input {
-    std::string name;
-    std::vector<std::byte> bytes;
-    InputOptions options = {};
-};
-
-std::vector<Input> inputs(int count, char** files) {
-    std::vector<Input> all;
-    for (int i = 0; i < count; ++i) {
-        std::ifstream file(files[i], std::ios::binary);
-        const std::string text((std::istreambuf_iterator<char>(file)), {});
-        Input input{std::filesystem::path(files[i]).stem().string(), {}};
-        input.bytes.resize(text.size());
-        std::memcpy(input.bytes.data(), text.data(), text.size());
-        all.push_back(std::move(input));
-    }
-    if (count > 0) return all;
-    for (const SampleInfo& info : sampleInfos())
-        all.push_back({std::string(info.name),
-                       *sampleScene(std::string(info.name)),
-                       {.labels = info.labels}});
-    return all;
 }
 
 /// Voxels of the input that the one at their centre is not.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "proto/option_table.h"
+#include "tests/proto/option_checks.h"
 
 using namespace rivage;
 using core::ErrorCode;
@@ -15,12 +16,9 @@ using proto::Json;
 using proto::OptionInfo;
 using proto::OptionText;
 using proto::OptionType;
+using namespace rivage::test;
 
 namespace {
-
-core::Result<JobOptions> parse(const std::vector<OptionText>& text, const std::string& json = {}) {
-    return proto::parseOptions(text, json);
-}
 
 /// What an option needs beside it to be accepted at all.
 std::vector<OptionText> beside(const std::string& name) {
@@ -44,20 +42,7 @@ core::Result<JobOptions> parseOneJson(const std::string& name, const Json& value
     return parse(text, proto::writeJson(Json{{name, value}}));
 }
 
-void checkRefused(const core::Result<JobOptions>& options, ErrorCode code,
-                  const std::string& field) {
-    REQUIRE_FALSE(options);
-    CHECK(options.error().code == code);
-    CHECK(options.error().field == field);
-    CHECK_FALSE(options.error().message.empty());
-}
-
 std::string text(double value) { return Json(value).dump(); }
-
-Json valueOf(const JobOptions& options, const std::string& name) {
-    const Json json = proto::toJson(options);
-    return json.contains(name) ? json[name] : Json();
-}
 
 }  // namespace
 

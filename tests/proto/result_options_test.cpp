@@ -3,42 +3,14 @@
 #include <string>
 #include <vector>
 
-#include "proto/option_table.h"
-#include "proto/options.h"
+#include "tests/proto/option_checks.h"
 
 using namespace rivage;
 using core::ErrorCode;
 using proto::JobOptions;
 using proto::Json;
 using proto::OptionText;
-
-namespace {
-
-core::Result<JobOptions> parse(const std::vector<OptionText>& text, const std::string& json = {}) {
-    return proto::parseOptions(text, json);
-}
-
-void checkRefused(const core::Result<JobOptions>& options, ErrorCode code,
-                  const std::string& field) {
-    REQUIRE_FALSE(options);
-    CHECK(options.error().code == code);
-    CHECK(options.error().field == field);
-    CHECK_FALSE(options.error().message.empty());
-}
-
-Json valueOf(const JobOptions& options, const std::string& name) {
-    const Json json = proto::toJson(options);
-    return json.contains(name) ? json[name] : Json();
-}
-
-std::string text(double value) { return Json(value).dump(); }
-
-Json valueOf(const JobOptions& options, const std::string& name) {
-    const Json json = proto::toJson(options);
-    return json.contains(name) ? json[name] : Json();
-}
-
-}  // namespace
+using namespace rivage::test;
 
 TEST_SUITE_BEGIN("proto");
 
