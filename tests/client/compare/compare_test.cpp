@@ -228,12 +228,13 @@ TEST_SUITE("client/compare") {
         CHECK(has(table, "a?.glb"));
     }
 
-    // Both used to take more than 25 s: each part looked at the vertices of all, and each search
+    // Both used to take far more: each part looked at the vertices of all, and each search
     // met every copy of a triangle. Time of the processors, as others may use them too.
     TEST_CASE("regression: very many parts, and very many copies of one triangle") {
         std::vector<Shape> parts;
         for (int i = 0; i < 20'000; ++i)
             parts.push_back(shifted(cube(0, 1), Vector3f(2.0F * static_cast<float>(i), 0, 0)));
+        parts[0].positions.resize(4'000'000, Vector3f::Zero());
         Shape copies;
         copies.positions = {{0, 0, 0}, {1, 0, 0.3F}, {0, 1, 0.7F}};
         for (std::uint32_t i = 0; i < 100'000; ++i)
@@ -245,7 +246,7 @@ TEST_SUITE("client/compare") {
             REQUIRE(json);
             CHECK((*json)["distance"]["max"]["meters"] == 0);
             const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-            CHECK(seconds < 10);
+            CHECK(seconds < 5);
         }
     }
 }
