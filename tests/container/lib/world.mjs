@@ -115,10 +115,12 @@ class Server {
       ['--user', '0', '--cap-add', 'KILL', '--cap-add', 'SYS_PTRACE']);
   }
 
-  // The most memory that its processes ever had, in bytes, together.
-  async peakMemory() {
+  // Memory of its processes together, in bytes: what they have, and the most that they ever had.
+  memory() { return this.#memory('VmRSS'); }
+  peakMemory() { return this.#memory('VmHWM'); }
+  async #memory(field) {
     const words = await this.world.beside(this.name, 'pid',
-      `grep -h '^VmHWM:' $(grep -l '^Name:.*rivage-server' /proc/[0-9]*/status) | awk '{sum += $2} END {print sum}'`);
+      `grep -h '^${field}:' $(grep -l '^Name:.*rivage-server' /proc/[0-9]*/status) | awk '{sum += $2} END {print sum}'`);
     return Number(words) * 1024;
   }
 
