@@ -208,31 +208,30 @@ std::string orders(const View& view, Measure measure, double exponent) {
     return text;
 }
 
-std::string byResolution(const View& view, Measure measure, int digits) {
+/// A row a method and a column a resolution, with what `cell(method, resolution)` says.
+template <typename Cell>
+std::string byResolution(const View& view, Cell&& cell) {
     Names cells = {"method"};
     for (const int n : view.resolutions()) cells.push_back(std::to_string(n));
     std::string text = head(cells);
     for (const std::string& method : view.methods()) {
         cells = {method};
-        for (const int n : view.resolutions())
-            cells.push_back(
-                words(view.mean({.method = method, .measure = measure, .resolution = n}), digits));
+        for (const int n : view.resolutions()) cells.push_back(cell(method, n));
         text += row(cells);
     }
     return text;
 }
 
+std::string byResolution(const View& view, Measure measure, int digits) {
+    return byResolution(view, [&](const std::string& method, int n) {
+        return words(view.mean({.method = method, .measure = measure, .resolution = n}), digits);
+    });
+}
+
 std::string timesByResolution(const View& view) {
-    Names cells = {"method"};
-    for (const int n : view.resolutions()) cells.push_back(std::to_string(n));
-    std::string text = head(cells);
-    for (const std::string& method : view.methods()) {
-        cells = {method};
-        for (const int n : view.resolutions())
-            cells.push_back(decimals(view.time(method, n).mean, 0));
-        text += row(cells);
-    }
-    return text;
+    return byResolution(view, [&](const std::string& method, int n) {
+        return decimals(view.time(method, n).mean, 0);
+    });
 }
 
 std::string convergenceText(const View& view) {
