@@ -48,9 +48,14 @@ public:
 /// Keeps nothing by itself: a blob lives as long as it is held.
 class MemoryBlobStore final : public BlobStore {
 public:
+    MemoryBlobStore();
     core::Result<BlobPtr> put(std::vector<std::byte> bytes) override;
     core::Result<BlobPtr> open(const Digest& digest) override;
     void collect(const std::function<bool(const std::string& hex)>& needed) override;
+
+private:
+    struct Held;
+    std::shared_ptr<Held> held_;  ///< also of the blobs, which may outlive the store
 };
 
 }  // namespace rivage::server
