@@ -7,86 +7,13 @@
 
 #include "core/base/parallel.h"
 #include "core/emboss/linels.h"
+#include "core/emboss/numbering.h"
 
 namespace rivage::core {
 namespace {
 
 PointelId pointel(std::size_t i) { return PointelId{static_cast<std::uint32_t>(i)}; }
 SurfelId surfel(std::size_t i) { return SurfelId{static_cast<std::uint32_t>(i)}; }
-
-/// Numbers of the refined pointels: those of the pointels first, then of the linels, then of the
-/// surfels; `finish` gives them their final ids, in the order of their places.
-class Numbering {
-public:
-    Numbering(const DigitalSurface& surface, const Linels& linels, int detail)
-        : surface_(surface),
-          linels_(linels),
-          detail_(static_cast<std::size_t>(detail)),
-          firstOfLinels_(surface.pointelCount()),
-          firstOfSurfels_(firstOfLinels_ + linels.items.size() * (detail_ - 1)) {}
-
-    [[nodiscard]] std::size_t count() const {
-        return firstOfSurfels_ + surface_.surfelCount() * (detail_ - 1) * (detail_ - 1);
-    }
-    /// Point `at` of a linel, 0 at its low end to `detail` at its high end.
-    [[nodiscard]] std::size_t onLinel(std::size_t linel, std::size_t at) const {
-        if (at == 0) return index(linels_.items[linel].low);
-        if (at == detail_) return index(linels_.items[linel].high);
-        return firstOfLinels_ + linel * (detail_ - 1) + at - 1;
-    }
-    /// Point (i, j) of a surfel, (0, 0) at its first corner.
-    [[nodiscard]] std::size_t onSurfel(SurfelId s, std::size_t i, std::size_t j) const {
-        const auto& edges = linels_.of[s];
-        if (j == 0) return onLinel(edges[0], i);
-        if (j == detail_) return onLinel(edges[2], i);
-        if (i == 0) return onLinel(edges[3], j);
-        if (i == detail_) return onLinel(edges[1], j);
-        return firstOfSurfels_ + index(s) * (detail_ - 1) * (detail_ - 1) +
-               (j - 1) * (detail_ - 1) + i - 1;
-    }
-    [[nodiscard]] PointelId id(std::size_t number) const { return pointel(rank_[number]); }
-
-    /// Sorts by place; what has the same place keeps the order of its numbers.
-    [[nodiscard]] bool finish(const std::vector<Vec3i>& places, const RunContext& run);
-
-private:
-    const DigitalSurface& surface_;
-    const Linels& linels_;
-    std::size_t detail_;
-    std::size_t firstOfLinels_;
-    std::size_t firstOfSurfels_;
-    std::vector<std::uint32_t> rank_;
-};
-
-bool Numbering::finish(const std::vector<Vec3i>& places, const RunContext& run) {
-    // Slabs of one z each, found by counting; then every slab is sorted by itself.
-    int top = 0;
-    for (const Vec3i& place : places) top = std::max(top, place.z());
-    std::vector<std::size_t> start(static_cast<std::size_t>(top) + 2);
-    for (const Vec3i& place : places) ++start[static_cast<std::size_t>(place.z()) + 1];
-    for (std::size_t z = 1; z < start.size(); ++z) start[z] += start[z - 1];
-    std::vector<std::uint32_t> order(places.size());
-    std::vector<std::size_t> next(start.begin(), start.end() - 1);
-    serialFor(places.size(), run, [&](std::size_t n) {
-        order[next[static_cast<std::size_t>(places[n].z())]++] = static_cast<std::uint32_t>(n);
-    });
-    rank_.resize(places.size());
-    const auto before = [&](std::uint32_t m, std::uint32_t n) {
-        const Vec3i& a = places[m];
-        const Vec3i& b = places[n];
-        if (a.y() != b.y()) return a.y() < b.y();
-        return a.x() != b.x() ? a.x() < b.x() : m < n;
-    };
-    const auto sortSlab = [&](std::size_t z) {
-        const auto at = [&](std::size_t i) {
-            return order.begin() + static_cast<std::ptrdiff_t>(i);
-        };
-        std::sort(at(start[z]), at(start[z + 1]), before);
-        for (std::size_t i = start[z]; i < start[z + 1]; ++i)
-            rank_[order[i]] = static_cast<std::uint32_t>(i);
-    };
-    return parallelFor(start.size() - 1, run, sortSlab, 1);
-}
 
 class Refiner {
 public:
@@ -271,14 +198,7 @@ void Refiner::fillPieces(SurfelId s) {
 }
 
 bool Refiner::fillSurfels() {
-    DigitalSurface& surface = result_.surface;
-    const std::size_t pieces = coarse_.surfelCount() * detail_ * detail_;
-    surface.corners.resize(pieces);
-    surface.axis.resize(pieces);
-    surface.innerIsLow.resize(pieces);
-    surface.innerMaterial.resize(pieces);
-    surface.outerMaterial.resize(pieces);
-    surface.interfaceOf.resize(pieces);
+    result_.surface.resizeSurfels(coarse_.surfelCount() * detail_ * detail_);
     return parallelFor(
         coarse_.surfelCount(), run_,
         [&](std::size_t n) {

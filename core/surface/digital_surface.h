@@ -72,6 +72,15 @@ struct DigitalSurface {
 
     [[nodiscard]] std::size_t pointelCount() const { return pointels.size(); }
     [[nodiscard]] std::size_t surfelCount() const { return corners.size(); }
+    /// Makes room in what is kept by surfel; `byInterface` is left alone.
+    void resizeSurfels(std::size_t count) {
+        corners.resize(count);
+        axis.resize(count);
+        innerIsLow.resize(count);
+        innerMaterial.resize(count);
+        outerMaterial.resize(count);
+        interfaceOf.resize(count);
+    }
     /// The surfel with this lowest corner and axis; kNone where there is none. Not after
     /// `splitUmbrellas`.
     [[nodiscard]] SurfelId surfelAt(PointelId lowest, int normalAxis) const {

@@ -75,12 +75,7 @@ DigitalSurface allocate(const VoxelGrid& grid, const RowTable& rows) {
     surface.surfelAxes.resize(n);
     surface.junctionSlots.resize(n);
     if (grid.openBorder) surface.fixedAxes.resize(n);
-    surface.corners.resize(m);
-    surface.axis.resize(m);
-    surface.innerIsLow.resize(m);
-    surface.innerMaterial.resize(m);
-    surface.outerMaterial.resize(m);
-    surface.interfaceOf.resize(m);
+    surface.resizeSurfels(m);
     return surface;
 }
 
