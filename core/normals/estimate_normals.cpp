@@ -38,9 +38,10 @@ std::uint64_t countFeatures(const IdVector<SurfelId, std::uint8_t>& features) {
 Result<NormalEstimate> piecewiseSmooth(const DigitalSurface& surface, const SurfelLinks& links,
                                        double radius, const PiecewiseSmoothOptions& options,
                                        const RunContext& run) {
-    const auto input = convolvedNormals(surface, links, radius, run);
+    constexpr double kInputShare = 0.05;  // of the time
+    const auto input = convolvedNormals(surface, links, radius, run.part(0, kInputShare));
     if (!input) return fail(input.error());
-    auto field = piecewiseSmoothNormals(surface, links, *input, options, run);
+    auto field = piecewiseSmoothNormals(surface, links, *input, options, run.part(kInputShare, 1));
     if (!field) return fail(field.error());
     return NormalEstimate{std::move(field->normals), {}, countFeatures(field->features)};
 }

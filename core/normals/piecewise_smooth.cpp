@@ -1,5 +1,6 @@
 #include "core/normals/piecewise_smooth.h"
 
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -13,6 +14,7 @@ constexpr std::size_t kBlock = 2048;
 constexpr double kSolveTolerance = 1e-4;  // of a linear solve, relative to its right-hand side
 constexpr int kSolveSteps = 200;
 constexpr double kAlternationEnd = 1e-3;  // largest change of v that still counts
+constexpr std::array kEpsilons{2.0, 1.0, 0.5, 0.25};
 constexpr int kAlternations = 10;
 
 /// Conjugate gradients with a diagonal preconditioner for a symmetric positive definite operator
@@ -97,13 +99,17 @@ public:
     }
 
     [[nodiscard]] bool minimize() {
-        for (const double epsilon : {2.0, 1.0, 0.5, 0.25})
+        for (std::size_t level = 0; level < kEpsilons.size(); ++level)
             for (int round = 0; round < kAlternations; ++round) {
+                run_.report(Stage::normals, (static_cast<double>(level) +
+                                             static_cast<double>(round) / kAlternations) /
+                                                static_cast<double>(kEpsilons.size()));
                 updateNormals();
-                const double change = updateFeatures(epsilon);
+                const double change = updateFeatures(kEpsilons[level]);
                 if (run_.stopped()) return false;
                 if (change < kAlternationEnd) break;
             }
+        run_.report(Stage::normals, 1);
         return true;
     }
 

@@ -97,8 +97,8 @@ TEST_SUITE("core/pipeline") {
     }
 
     TEST_CASE("stages: the normals tell how far they are, ever further") {
-        for (const NormalMethod method :
-             {NormalMethod::automatic, NormalMethod::guided, NormalMethod::robust}) {
+        for (const NormalMethod method : {NormalMethod::automatic, NormalMethod::guided,
+                                          NormalMethod::robust, NormalMethod::piecewiseSmooth}) {
             CAPTURE(static_cast<int>(method));
             std::vector<double> fractions;
             const RunContext run{.threads = 2, .progress = [&](Stage stage, double fraction) {
