@@ -32,6 +32,8 @@ public:
     /// @errors notWritten
     Outcome<void> commit();
     [[nodiscard]] std::uint64_t size() const { return size_; }
+    /// Whether it is a pipe or a device, which takes nothing back.
+    [[nodiscard]] bool direct() const { return temporary_.empty(); }
 
 private:
     OutputFile() = default;

@@ -60,18 +60,17 @@ Outcome<void> SpoolFile::writable() const {
     return {};
 }
 
-bool SpoolFile::copyTo(std::ostream& stream) const {
+bool SpoolFile::copyTo(const std::function<bool(std::string_view)>& take) const {
     std::string chunk(std::size_t{1} << 16, '\0');
-    for (std::uint64_t at = 0; at < size_ && stream;) {
+    for (std::uint64_t at = 0; at < size_;) {
         const std::size_t wanted = std::min<std::uint64_t>(chunk.size(), size_ - at);
         const ssize_t read = pread(file_, chunk.data(), wanted, static_cast<off_t>(at));
         if (read < 0 && errno == EINTR) continue;
         if (read <= 0) return false;
-        stream.write(chunk.data(), read);
+        if (!take({chunk.data(), static_cast<std::size_t>(read)})) return false;
         at += static_cast<std::uint64_t>(read);
     }
-    stream.flush();
-    return static_cast<bool>(stream);
+    return true;
 }
 
 }  // namespace rivage::client

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <ostream>
+#include <functional>
 #include <string_view>
 #include <utility>
 
@@ -27,8 +27,8 @@ public:
     [[nodiscard]] std::uint64_t size() const { return size_; }
     /// @errors notWritten if a write has failed
     [[nodiscard]] Outcome<void> writable() const;
-    /// Writes everything to a stream; false if it, or the disk, failed.
-    bool copyTo(std::ostream& stream) const;
+    /// Hands everything to `take`, in pieces; false as soon as it, or the disk, says no.
+    bool copyTo(const std::function<bool(std::string_view)>& take) const;
 
 private:
     SpoolFile() = default;

@@ -10,7 +10,8 @@
 
 namespace rivage::client {
 
-/// The place of one result: a file that appears when it is whole, or stdout.
+/// The place of one result: a file that appears when it is whole; or stdout, a pipe or a device, which
+/// get the first byte then.
 class Target {
 public:
     /// @param path  "-" is stdout
@@ -20,7 +21,7 @@ public:
 
     /// Where the bytes of the result go; to be used while the target stays where it is.
     [[nodiscard]] ByteStore store();
-    [[nodiscard]] std::uint64_t size() const { return file_ ? file_->size() : spool_->size(); }
+    [[nodiscard]] std::uint64_t size() const { return spool_ ? spool_->size() : file_->size(); }
     /// @errors notWritten
     Outcome<void> commit();
     /// The failure of a download into this target, with the reason of the system if it is this
@@ -30,8 +31,9 @@ public:
 private:
     explicit Target(Console& console) : console_(&console) {}
     Console* console_;
-    std::optional<OutputFile> file_;
-    std::optional<SpoolFile> spool_;  ///< for stdout, which takes nothing back
+    bool pour();
+    std::optional<OutputFile> file_;  ///< none for stdout
+    std::optional<SpoolFile> spool_;  ///< for what takes nothing back
 };
 
 /// Makes the folders above a file.

@@ -35,12 +35,6 @@ LoadExit complain(Console& console, const Failure& failure) {
     return exitOf(failure);
 }
 
-/// @param most  bytes
-Outcome<std::string> readText(const char* what, const std::string& path, std::size_t most,
-                              const Interrupt& interrupt) {
-    return readInput(what, path, {.bytes = most}, interrupt);
-}
-
 Outcome<ServerAccess> accessOf(const LoadOptions& options, const std::string& url) {
     const auto endpoint = parseEndpoint(url);
     if (!endpoint) return tl::unexpected(endpoint.error());
@@ -67,7 +61,7 @@ Outcome<Mix> mixOf(const LoadOptions& options, const Interrupt& interrupt) {
                     "non-ASCII");
     }
     if (options.mix.empty()) return defaultMix();
-    const auto text = readText("mix", options.mix, kMostMix, interrupt);
+    const auto text = readInput("mix", options.mix, {.bytes = kMostMix}, interrupt);
     if (!text) return tl::unexpected(text.error());
     return parseMix(*text, options.mix);
 }
@@ -79,7 +73,7 @@ Outcome<ArrivalPlan> arrivalsOf(const LoadOptions& options, const Mix& mix,
         plan.kind = options.poisson ? Arrivals::poisson : Arrivals::constant;
     } else if (!options.replay.empty()) {
         plan.kind = Arrivals::replay;
-        const auto text = readText("trace", options.replay, kMostTrace, interrupt);
+        const auto text = readInput("trace", options.replay, {.bytes = kMostTrace}, interrupt);
         if (!text) return tl::unexpected(text.error());
         auto trace = parseTrace(*text, mix.names());
         if (!trace) return tl::unexpected(trace.error());

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <csignal>
 #include <thread>
@@ -149,7 +150,7 @@ TEST_CASE("misbehaving: a digest that does not fit, once and always") {
     CHECK(saysRecovery(again));
 }
 
-TEST_CASE("misbehaving: stdout gets a result when it is whole, and nothing of a damaged one") {
+TEST_CASE("misbehaving: stdout and pipes get a result when it is whole, nothing of a damaged one") {
     const std::string bytes = manyBytes(8);
     for (const int bad : {1, 2}) {
         CAPTURE(bad);
@@ -162,6 +163,17 @@ TEST_CASE("misbehaving: stdout gets a result when it is whole, and nothing of a 
         server.regularize(run, {"-o", "-"});
         CHECK(run.code == (bad == 1 ? ExitCode::ok : ExitCode::unreachable));
         CHECK((run.out.str() == (bad == 1 ? bytes : "")));
+
+        const std::string pipe = server.folder / "pipe.glb";
+        REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+        server.results = 0;
+        std::string read = "not read";
+        std::thread reader([&] { read = contentOf(pipe); });
+        Run piped;
+        server.regularize(piped, {"-o", pipe});
+        reader.join();
+        CHECK(piped.code == run.code);
+        CHECK((read == (bad == 1 ? bytes : "")));
     }
 }
 
