@@ -1,5 +1,6 @@
 #include "client/upload.h"
 
+#include <cctype>
 #include <random>
 
 #include "client/transport.h"
@@ -20,11 +21,25 @@ proto::Json optionsJson(const std::vector<proto::OptionText>& options) {
     return given;
 }
 
+/// `; filename="..."` for a header; characters other than these become '_', one each.
+std::string fileName(const std::string& name) {
+    if (name.empty()) return {};
+    std::string safe;
+    for (const char c : name) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool continues = (byte & 0xC0U) == 0x80U;  // of a character in UTF-8
+        const bool plain = byte < 0x80U && (std::isalnum(byte) != 0 || c == '.' || c == '-');
+        if (!continues) safe += plain ? c : '_';
+    }
+    return "; filename=\"" + safe + '"';
+}
+
 std::string multipart(const Upload& upload, const std::string& boundary) {
     const std::string begin = "--" + boundary + "\r\nContent-Disposition: form-data; name=";
     std::string body = begin + "\"options\"\r\nContent-Type: application/json\r\n\r\n" +
                        proto::writeJson(optionsJson(upload.options)) + "\r\n";
-    body += begin + "\"grid\"; filename=\"grid\"\r\nContent-Type: application/octet-stream\r\n\r\n";
+    body += begin + "\"grid\"" + fileName(upload.name) +
+            "\r\nContent-Type: application/octet-stream\r\n\r\n";
     body += upload.bytes;
     return body + "\r\n--" + boundary + "--\r\n";
 }
@@ -47,6 +62,8 @@ httplib::Request makeUpload(const std::string& path, const Upload& upload) {
     if (target.size() <= kMaxQuery) {
         httplib::Request request = makeRequest("POST", target);
         request.set_header("Content-Type", "application/octet-stream");
+        if (!upload.name.empty())
+            request.set_header("Content-Disposition", "attachment" + fileName(upload.name));
         request.body = upload.bytes;
         return request;
     }

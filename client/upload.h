@@ -13,6 +13,7 @@ namespace rivage::client {
 struct Upload {
     std::string bytes;
     std::vector<proto::OptionText> options;  ///< valid: `proto::parseOptions` accepts them
+    std::string name = {};                   ///< of the file; empty where none is to be told
 };
 
 /// The request that posts a grid: as the raw body with the options in the query, or, where the

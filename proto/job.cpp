@@ -56,7 +56,7 @@ Json progressJson(const JobView& job) {
 }
 
 Json toJson(const JobView& job) {
-    Json json{{"id", job.id}};
+    Json json{{"id", job.id}, {"name", job.name}};
     json.update(progressJson(job));
     json.update(Json{
         {"attempt", job.attempt},

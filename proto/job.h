@@ -28,6 +28,7 @@ struct SolverStep {
 /// A job as GET /v1/jobs/{id} shows it.
 struct JobView {
     std::string id;
+    std::string name = {};  ///< of the grid's file, without extension; safe in a header
     JobState state = JobState::queued;
     std::optional<core::Stage> stage = {};          ///< the one that runs, or that it ended in
     double progress = 0;                            ///< 0..1, never falls

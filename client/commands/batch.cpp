@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <system_error>
 #include <thread>
 #include <utility>
 
 #include "client/conversion.h"
+#include "client/inputs.h"
 #include "client/printable.h"
 #include "client/progress.h"
 #include "client/report_table.h"
@@ -33,7 +35,9 @@ Outcome<Converted> convert(Session& session, Transport& transport, const Planned
     const std::string start = bytes->substr(0, kSignatureBytes);
     auto target = Target::open(file.output, session.console, session.interrupt);
     if (!target) return tl::unexpected(target.error());
-    const Upload upload{*std::move(bytes), session.invocation.options};
+    const std::string name =
+        file.input == kStandardStream ? "" : std::filesystem::path(file.input).filename().string();
+    const Upload upload{*std::move(bytes), session.invocation.options, name};
     const ByteStore store = target->store();
     auto conversion = convertGrid(transport, upload, store, watch);
     if (!conversion)

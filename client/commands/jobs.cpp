@@ -17,7 +17,7 @@ using proto::Json;
 using JobAction = Outcome<Json> (*)(Session&, const std::string& id, ProgressBoard&);
 
 std::string columns(const std::string& id, const std::string& state, const std::string& stage,
-                    const std::string& done, const std::string& created) {
+                    const std::string& done, const std::string& created, const std::string& name) {
     std::string line;
     const auto add = [&line](const std::string& text, std::size_t width) {
         line += text + std::string(text.size() < width ? width - text.size() : 0, ' ');
@@ -26,7 +26,7 @@ std::string columns(const std::string& id, const std::string& state, const std::
     add("  " + state, 12);
     add(stage, 11);
     line += std::string(done.size() < 5 ? 5 - done.size() : 0, ' ') + done;
-    return line + "  " + created;
+    return line + "  " + created + "  " + name;
 }
 
 /// A time of the wire to the second, with its zone: "2026-01-02T03:04:05Z".
@@ -38,9 +38,9 @@ std::string timeText(const std::string& time) {
 }
 
 std::string jobLine(const Json& job) {
-    std::string line =
-        columns(textOf(job, "id"), textOf(job, "state"), textOf(job, "stage"),
-                percentText(numberOf(job, "progress")), timeText(textOf(job, "created")));
+    std::string line = columns(textOf(job, "id"), textOf(job, "state"), textOf(job, "stage"),
+                               percentText(numberOf(job, "progress")),
+                               timeText(textOf(job, "created")), textOf(job, "name"));
     if (const JobProgress progress = progressOf(job); progress.queuePosition)
         line += "  " + countText(*progress.queuePosition) + " ahead";
     const auto error = job.find("error");
@@ -122,7 +122,7 @@ Outcome<Json> cancel(Session& session, const std::string& id, ProgressBoard& boa
     return job;
 }
 
-/// Where the result of a job goes: a job knows no name of its input, so its id is the name.
+/// Where the result of a job goes: named by its id, since several jobs may have the same name.
 std::string placeOf(const Session& session, const std::string& id, const Json& job) {
     const std::string& out = session.invocation.out;
     std::error_code ignored;
@@ -169,7 +169,7 @@ ExitCode runJobsList(Session& session) {
         listJobs(transport, {session.invocation.jobState, session.invocation.jobLimit});
     if (!jobs) return complain(session.invocation, session.console, {}, jobs.error());
     if (session.console.outIsTerminal && !session.invocation.json && !jobs->empty())
-        session.console.out << columns("JOB", "STATE", "STAGE", "DONE", "CREATED") << "\n";
+        session.console.out << columns("JOB", "STATE", "STAGE", "DONE", "CREATED", "NAME") << "\n";
     for (const Json& job : *jobs)
         session.console.out << (session.invocation.json ? jsonLine(job) : jobLine(job));
     return ExitCode::ok;

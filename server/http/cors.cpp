@@ -9,9 +9,9 @@ constexpr const char* kAllowOrigin = "Access-Control-Allow-Origin";
 
 /// Every header field that the interface reads, beyond those that pages may always send.
 constexpr const char* kRequestHeaders =
-    "Authorization, Cache-Control, Content-Digest, Content-Encoding, Content-Type, "
-    "Idempotency-Key, If-None-Match, If-Range, Last-Event-ID, Prefer, Range, Repr-Digest, "
-    "X-API-Key, X-Request-ID, traceparent";
+    "Authorization, Cache-Control, Content-Digest, Content-Disposition, Content-Encoding, "
+    "Content-Type, Idempotency-Key, If-None-Match, If-Range, Last-Event-ID, Prefer, Range, "
+    "Repr-Digest, X-API-Key, X-Request-ID, traceparent";
 
 /// Every header field that the interface sets, beyond those that pages may always read.
 constexpr const char* kResponseHeaders =

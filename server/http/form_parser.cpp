@@ -65,6 +65,15 @@ std::optional<std::string> formBoundary(std::string_view contentType) {
     return std::string();
 }
 
+std::string fileNameOf(std::string_view disposition) {
+    disposition.remove_prefix(std::min(disposition.find(';'), disposition.size()));
+    std::string name;
+    std::string value;
+    while (takeParameter(disposition, name, value))
+        if (name == "filename") return value;
+    return {};
+}
+
 FormParser::FormParser(const std::string& boundary, Begin begin, Take take)
     : delimiter_("\r\n--" + boundary),
       begin_(std::move(begin)),

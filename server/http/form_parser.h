@@ -18,6 +18,9 @@ struct FormPart {
 /// An empty text if the boundary is missing or not 1 to 70 characters that RFC 2046 allows.
 [[nodiscard]] std::optional<std::string> formBoundary(std::string_view contentType);
 
+/// The file name in a Content-Disposition, as it stands there; empty if there is none.
+[[nodiscard]] std::string fileNameOf(std::string_view disposition);
+
 /// Reads multipart/form-data piece by piece. Holds at most one head of a part (8 KiB, 16 lines) and
 /// a line of its boundary, whatever comes; nothing may stand before the first part but line ends,
 /// and nothing after the last one but 4 KiB that are ignored. Linear in the bytes.

@@ -79,6 +79,7 @@ public:
           decoder_(makeDecoder(head.encoding)),
           sent_(head.contentDigest),
           meant_(head.reprDigest) {
+        upload_.name = head.name;
         if (!head.boundary) return;
         form_.emplace(
             *head.boundary, [this](const FormPart& part) { return beginPart(part); },
@@ -202,6 +203,8 @@ Answer<UploadHead> readUploadHead(const httplib::Request& request, const Service
     if (head.boundary && head.boundary->empty())
         return problem({ErrorCode::malformedRequest, "the form has no valid boundary",
                         "/headers/content-type"});
+    if (!head.boundary)
+        head.name = safeStem(fileNameOf(request.get_header_value("Content-Disposition")));
     if (request.has_header("Content-Length"))
         head.length = request.get_header_value_u64("Content-Length");
     const std::uint64_t limit = service.limits.maxUploadBytes;

@@ -24,6 +24,7 @@ struct UploadHead {
     std::string encoding;                 ///< a known one, or empty
     std::optional<std::string> boundary;  ///< of a form
     std::optional<std::uint64_t> length;  ///< of the body as it is sent
+    std::string name;                     ///< of the file, as in `Upload`; a form says it itself
     std::optional<Sha256> contentDigest;  ///< of the body as it is sent
     std::optional<Sha256> reprDigest;     ///< of the body as it is meant, decoded
 };

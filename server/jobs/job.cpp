@@ -52,6 +52,7 @@ JobResult::JobResult(BlobPtr bytes, std::string type, std::string suffix)
 Job::Job(JobFacts facts, Clock::time_point deadline)
     : facts_(std::move(facts)), deadline_(deadline) {
     now_.view.id = facts_.id;
+    now_.view.name = facts_.name;
     now_.view.created = facts_.created;
 }
 

@@ -297,6 +297,23 @@ TEST_CASE("regularize: options too long for a request line go as a form") {
     CHECK(options["labels"]["part7"] == proto::Json::array({1007}));
     CHECK(options.size() == 3);
     CHECK(post.form.get_file("grid").content == "VOX and more");
+    CHECK(post.form.get_file("grid").filename == "house.vox");
+}
+
+TEST_CASE("regularize: the server is told the name of the file, in characters for headers") {
+    Fixture fixture;
+    fixture.start();
+    const auto told = [&](const std::string& name) {
+        const std::string path = fixture.folder / name;
+        writeFile(path, "VOX");
+        Run run;
+        run({"regularize", path, "--server", fixture.server.url()});
+        CHECK(run.code == ExitCode::ok);
+        return fixture.jobs.lastPost.get_header_value("Content-Disposition");
+    };
+    CHECK(told("house.vox") == "attachment; filename=\"house.vox\"");
+    CHECK(told("Dörf 1-b.vox") == "attachment; filename=\"D_rf_1-b.vox\"");
+    CHECK(told("a\"\r\nX: y.vox") == "attachment; filename=\"a___X__y.vox\"");
 }
 
 TEST_CASE("sample, options, health: what the server says") {

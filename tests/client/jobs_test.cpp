@@ -50,7 +50,7 @@ struct JobServer {
 
 private:
     std::string job(const std::string& id) {
-        return R"({"id":")" + id + R"(","state":")" + states[id] +
+        return R"({"id":")" + id + R"(","name":"house","state":")" + states[id] +
                R"(","stage":"solve","progress":0.5,"created":"2026-01-02T03:04:05.678Z",)" +
                R"("options":{"output":"obj"},"report":{"a":1},)" +
                R"("error":{"title":"It is bad","status":422}})";
@@ -93,6 +93,7 @@ TEST_CASE("jobs list: pages, limit, state") {
     CHECK(listed({}).find("job-1") != std::string::npos);
     CHECK(listed({}).find("2026-01-02T03:04:05") != std::string::npos);
     CHECK(listed({}).find("2026-01-02T03:04:05Z") != std::string::npos);
+    CHECK(listed({}).find("04:05Z  house  It is bad\n") != std::string::npos);
     CHECK(listed({}).find("CREATED") == std::string::npos);
     listed({"--state", "failed", "--limit", "1"});
     CHECK(server.lastList == "/v1/jobs?limit=1&state=failed");

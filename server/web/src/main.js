@@ -119,7 +119,10 @@ async function post(values, signal) {
     return request(`/v1/regularize${query(values)}`, {
         method: 'POST',
         body: state.grid.bytes,
-        headers: {'Content-Type': 'application/octet-stream'},
+        headers: {
+            'Content-Type': 'application/octet-stream',
+            'Content-Disposition': `attachment; filename="${state.grid.name.replace(/[^\w.-]/g, '_')}"`,
+        },
         signal,
     });
 }

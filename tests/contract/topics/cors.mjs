@@ -46,6 +46,7 @@ describe('cors on', () => {
         'idempotency-key',
         'prefer',
         'content-digest',
+        'content-disposition',
         'x-api-key',
       ])
         assert.ok(names.includes(name), name);

@@ -47,6 +47,30 @@ TEST_CASE("regularize: a raw body gives the artifact and all that is said about 
     CHECK(job["report"].is_object());
 }
 
+TEST_CASE("regularize: a raw body is named by Content-Disposition, safely") {
+    const TestServer server;
+    auto client = server.client();
+    const auto named = [&](const std::string& disposition) {
+        const httplib::Headers headers{{"Content-Disposition", disposition},
+                                       {"Cache-Control", "no-cache"}};
+        const auto result = client.Post(kRoute, headers, "ok", kBytes);
+        REQUIRE(result);
+        CHECK(result->status == 200);
+        const auto job = bodyOf(client.Get("/v1/jobs/" + result->get_header_value("Rivage-Job")));
+        const std::string name = job["name"];
+        CHECK(result->get_header_value("Content-Disposition") ==
+              "attachment; filename=\"" + name + ".glb\"");
+        return name;
+    };
+    CHECK(named("attachment; filename=\"house.vox\"") == "house");
+    CHECK(named("inline;FILENAME=house.v2.vox") == "house_v2");
+    CHECK(named("attachment; filename=\"../../a b\\\".vox\"") == "a_b_");
+    CHECK(named("attachment; filename=\"" + std::string(300, 'x') + "\"") == std::string(64, 'x'));
+    for (const char* nameless : {"attachment", ";", "attachment; filename=\"", "filename=x.vox",
+                                 "attachment; filename=\".vox\"", "attachment; filename=\"a/\""})
+        CHECK(named(nameless) == "rivage");
+}
+
 TEST_CASE("regularize: a form with grid and options, names from the file") {
     const TestServer server;
     auto client = server.client();
@@ -58,6 +82,7 @@ TEST_CASE("regularize: a form with grid and options, names from the file") {
           "attachment; filename=\"My_Island.glb\"");
     const auto job = bodyOf(client.Get("/v1/jobs/" + result->get_header_value("Rivage-Job")));
     CHECK(job["options"]["alpha"] == 0.25);
+    CHECK(job["name"] == "My_Island");
     CHECK(client.Post(kRoute, form("ok", ""))->status == 200);
 }
 
