@@ -216,7 +216,8 @@ void addCommands(CLI::App& app, Parsed& parsed) {
         app.add_subcommand("regularize", "Convert voxel grids into smooth surfaces ('-' is stdin)");
     regularize
         ->add_option("IN", parsed.invocation.inputs,
-                     "Grids (.vox, .npy, raw), folders of grids at any depth, or patterns such as "
+                     "Grids (.vox, .npy, .nrrd, .nii, .vol, raw), folders of grids at any depth, "
+                     "or patterns such as "
                      "'models/**/*.vox'")
         ->required();
     addOut(*regularize, parsed, "A file, a folder, or '-' for stdout [beside the input]");

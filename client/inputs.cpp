@@ -75,7 +75,7 @@ private:
         for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
             const std::string name = entry->path().filename().string();
             if (name.starts_with('.')) continue;
-            look(*entry, below.empty() ? name : below + "/" + name);
+            look(*entry, (fs::path(below) / name).string());
         }
         if (error && error != std::errc::no_such_file_or_directory)
             unread_.push_back({folder.string(), error.message()});
@@ -124,8 +124,9 @@ public:
 
 private:
     [[nodiscard]] bool isGrid(const std::string& file) const {
-        const std::string extension = lowerCase(fs::path(file).extension().string());
-        return std::find(extensions_.begin(), extensions_.end(), extension) != extensions_.end();
+        const std::string name = lowerCase(file);
+        return std::any_of(extensions_.begin(), extensions_.end(),
+                           [&](const std::string& end) { return name.ends_with(end); });
     }
 
     std::size_t addPattern(const std::string& pattern) {

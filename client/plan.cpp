@@ -24,12 +24,18 @@ tl::unexpected<Failure> refuse(const std::string& detail) {
     return fail(ExitCode::usage, "Where should the results go", detail);
 }
 
+/// The path of a grid, also of a packed one ("brain.nii.gz"), with another extension.
+fs::path renamed(fs::path path, const std::string& extension) {
+    if (path.extension() == ".gz") path.replace_extension();
+    return path.replace_extension(extension);
+}
+
 std::string outputOf(const InputFile& input, const std::string& out, bool intoFolder,
                      const std::string& extension) {
     if (out.empty() && input.path == kStandardStream) return kStandardStream;
-    if (out.empty()) return fs::path(input.path).replace_extension(extension).string();
+    if (out.empty()) return renamed(input.path, extension).string();
     if (!intoFolder) return out;
-    return (fs::path(out) / fs::path(input.below).replace_extension(extension)).string();
+    return (fs::path(out) / renamed(input.below, extension)).string();
 }
 
 /// Whether a GLB of ours tells these options.

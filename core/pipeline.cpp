@@ -47,6 +47,7 @@ InputReport describe(const Scene& scene, const VoxelGrid& grid, const InputOptio
     report.format = scene.formatDetail;
     const Vec3i& size = grid.voxels.size();
     report.dims = {size.x(), size.y(), size.z()};
+    report.spacing = {grid.spacing.x(), grid.spacing.y(), grid.spacing.z()};
     report.models = scene.models.size();
     report.instances = static_cast<std::uint64_t>(
         std::count_if(scene.instances.begin(), scene.instances.end(),

@@ -49,7 +49,7 @@ Result<SurfaceSize> checkSize(const VoxelGrid& grid, const ConversionOptions* op
                               const RunContext& run) {
     const EmbossOptions emboss = options ? options->emboss : EmbossOptions{};
     if (const auto error = aboveBudget(grid, {}, emboss, run.limits)) return fail(*error);
-    const auto size = countSurface(grid, run);
+    auto size = countSurface(grid, run);
     if (!size) return size;
     if (const auto error = aboveBudget(grid, *size, emboss, run.limits)) return fail(*error);
     if (!options || !isVoxels(options->output.format)) return size;

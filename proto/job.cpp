@@ -112,6 +112,12 @@ Json describeFormats() {
                  "MagicaVoxel 150 and 200 with scene graph, layers, palette and materials"),
           format("npy", "application/octet-stream", "npy",
                  "NumPy array of labels in three dimensions"),
+          format("nrrd", "application/x-nrrd", "nrrd",
+                 "NRRD volume of labels, also a segmentation of 3D Slicer (.seg.nrrd) with its "
+                 "names and colours"),
+          format("nifti", "application/octet-stream", "nii",
+                 "NIfTI-1 or NIfTI-2 volume of labels, also .nii.gz"),
+          format("vol", "application/octet-stream", "vol", "DGtal's .vol and .longvol"),
           format("raw", "application/octet-stream", "raw",
                  "labels as u8 or u16, little-endian, x fastest; needs dims")}},
         {"output",

@@ -19,7 +19,9 @@ using core::ConversionOptions;
 [[nodiscard]] inline Option onlyWith(std::string condition, Option option,
                                      std::function<bool(const ConversionOptions&)> applies) {
     option.info.onlyWith = std::move(condition);
-    option.applies = [applies](const JobOptions& options) { return applies(options.conversion); };
+    option.applies = [applies = std::move(applies)](const JobOptions& options) {
+        return applies(options.conversion);
+    };
     return option;
 }
 

@@ -59,21 +59,23 @@ Option labelsOption() {
 }
 
 Option spacingOption() {
-    return {{"spacing",
-             "input",
-             OptionType::spacing,
-             {},
-             1e-6,
-             1e6,
-             "Sides of a voxel along x, y and z, relative to each other; the longest is at most "
-             "100 times the shortest."},
-            [](JobOptions& options, const OptionValue& value) {
-                options.conversion.input.spacing = std::get<core::Vec3d>(value);
-            },
-            [](const JobOptions& options) -> Json {
-                const core::Vec3d& spacing = options.conversion.input.spacing;
-                return Json::array({spacing.x(), spacing.y(), spacing.z()});
-            }};
+    return {
+        {"spacing",
+         "input",
+         OptionType::spacing,
+         {"auto"},
+         1e-6,
+         1e6,
+         "Sides of a voxel along x, y and z, relative to each other; the longest is at most "
+         "100 times the shortest. auto takes them from the file, and where it has none, cubes."},
+        [](JobOptions& options, const OptionValue& value) {
+            const auto* sides = std::get_if<core::Vec3d>(&value);
+            options.conversion.input.spacing = sides ? std::optional(*sides) : std::nullopt;
+        },
+        [](const JobOptions& options) -> Json {
+            const auto& spacing = options.conversion.input.spacing;
+            return spacing ? Json::array({spacing->x(), spacing->y(), spacing->z()}) : Json("auto");
+        }};
 }
 
 Option weightsOption() {
@@ -149,8 +151,9 @@ void addInput(std::vector<Option>& table) {
     const auto input = [](auto member) {
         return [member](ConversionOptions & o) -> auto& { return o.input.*member; };
     };
-    table.push_back(choice("format", "input", {"auto", "vox", "npy", "raw"},
-                           "Format of the grid; auto looks at the bytes.",
+    table.push_back(choice("format", "input", {"auto", "vox", "npy", "nrrd", "nifti", "vol", "raw"},
+                           "Format of the grid; auto looks at the bytes. All but raw may be packed "
+                           "by gzip.",
                            input(&core::InputOptions::format)));
     table.push_back(onlyWith("format=raw", dimsOption(), isRaw));
     table.push_back(onlyWith(

@@ -251,7 +251,7 @@ std::string allowedValues(const OptionInfo& info) {
         case OptionType::labels:
             return listed(info.words) + ", or a map such as {\"sea\":[12,13],\"island\":\"*\"}";
         case OptionType::spacing:
-            return "three sides from " + range + " such as 1x1x2.5, the longest at most " +
+            return "auto, or three sides from " + range + " such as 1x1x2.5, the longest at most " +
                    shortest(core::kMaxSpacingRatio) + " times the shortest";
         case OptionType::weights:
             return "a map such as {\"sea\":{\"alpha\":10},\"*\":{\"gamma\":2}} with factors from " +
@@ -286,6 +286,7 @@ Result<OptionValue> parseValue(const OptionInfo& info, std::string_view text) {
             if (const auto dims = readDims(info, text)) return *dims;
             break;
         case OptionType::spacing:
+            if (word) return *word;
             if (const auto sides = readSpacing(info, text)) return *sides;
             break;
         case OptionType::ratio:
@@ -325,6 +326,7 @@ Result<OptionValue> parseValue(const OptionInfo& info, const Json& value) {
             if (value.is_object()) return readMap(info, value);
             break;
         case OptionType::spacing:
+            if (word) return *word;
             if (const auto sides = readJsonSpacing(info, value)) return *sides;
             break;
         case OptionType::weights:

@@ -112,6 +112,7 @@ Json toJson(const Problem& problem) {
 
 std::vector<ProblemType> problemCatalogue() {
     std::vector<ProblemType> catalogue;
+    catalogue.reserve(std::size(kCodes) + std::size(kTransport));
     for (const ErrorCode code : kCodes) catalogue.push_back(problemType(code));
     for (const ProblemType& type : kTransport)
         if (type.slug != "malformed-request") catalogue.push_back(type);

@@ -8,7 +8,8 @@
 
 namespace rivage::client {
 Outcome<RegularizePlan> planRegularize(const Invocation& invocation) {
-    std::vector<std::string> extensions{".vox", ".npy"};
+    std::vector<std::string> extensions{".vox", ".npy",    ".nrrd",   ".nii",
+                                        ".vol", ".nii.gz", ".longvol"};
     const proto::Json options = proto::toJson(invocation.inForce);
     if (textOf(options, "format") == "raw") extensions = {".raw"};
     auto inputs = findInputs(invocation.inputs, extensions, invocation.watch);

@@ -14,7 +14,7 @@
 /// the wire and lists them with their ranges; the stages of `core/` read them.
 namespace rivage::core {
 
-enum class GridFormat : std::uint8_t { automatic, vox, npy, raw };
+enum class GridFormat : std::uint8_t { automatic, vox, npy, nrrd, nifti, vol, raw };
 enum class RawType : std::uint8_t { u8, u16 };
 enum class LabelMode : std::uint8_t { automatic, solid, material, palette, map };
 enum class Border : std::uint8_t { closed, open };
@@ -40,7 +40,8 @@ struct InputOptions {
     int frame = 0;                    ///< which model of a shape with several frames
     /// Outside the grid is background, or the grid is a cutout and its border no surface.
     Border border = Border::closed;
-    Vec3d spacing = Vec3d::Ones();  ///< relative sides of a voxel, see `kMaxSpacingRatio`
+    /// Relative sides of a voxel, see `kMaxSpacingRatio`; nothing: as the file says, else equal.
+    std::optional<Vec3d> spacing;
 };
 
 enum class NormalMethod : std::uint8_t {

@@ -12,9 +12,9 @@ Json toJson(const InputReport& input) {
     for (const auto& label : input.labels)
         labels.push_back({{"name", label.name}, {"voxels", label.voxels}});
     return {{"format", input.format},       {"dims", input.dims},
-            {"voxels", input.voxels},       {"models", input.models},
-            {"instances", input.instances}, {"materials", input.materials},
-            {"labels", std::move(labels)}};
+            {"spacing", input.spacing},     {"voxels", input.voxels},
+            {"models", input.models},       {"instances", input.instances},
+            {"materials", input.materials}, {"labels", std::move(labels)}};
 }
 
 Json toJson(const SurfaceReport& surface) {

@@ -12,9 +12,10 @@
 namespace rivage::core {
 
 struct InputReport {
-    std::string format;         ///< e.g. "vox 200"
-    std::array<int, 3> dims{};  ///< of the merged grid, voxels
-    std::uint64_t voxels = 0;   ///< not empty, after merging
+    std::string format;                      ///< e.g. "vox 200"
+    std::array<int, 3> dims{};               ///< of the merged grid, voxels
+    std::array<double, 3> spacing{1, 1, 1};  ///< sides of a voxel; the shortest is 1
+    std::uint64_t voxels = 0;                ///< not empty, after merging
     std::uint64_t models = 0;
     std::uint64_t instances = 0;  ///< merged ones
     std::uint64_t materials = 0;  ///< used ones

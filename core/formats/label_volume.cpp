@@ -1,6 +1,8 @@
 #include "core/formats/label_volume.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
@@ -16,7 +18,14 @@ constexpr int kPollRows = 64;
 // The store of a brick grid doubles when it is full, so up to twice its bricks are reserved.
 constexpr std::uint64_t kStoreSlack = 2;
 
-/// The stored value; nothing if it is negative or does not fit 32 bits.
+/// A number as a whole one of 32 bits, if it is one.
+std::optional<std::uint32_t> wholeIn(double value) {
+    const bool fits = value >= 0 && value <= std::numeric_limits<std::uint32_t>::max();
+    return fits && value == std::floor(value) ? std::optional(static_cast<std::uint32_t>(value))
+                                              : std::nullopt;
+}
+
+/// The stored value; nothing if it is no whole number from 0 on that fits 32 bits.
 std::optional<std::uint32_t> valueAt(const std::byte* bytes, const ValueType& type) {
     std::uint64_t raw = 0;
     for (int i = 0; i < type.bytes; ++i) {
@@ -24,6 +33,9 @@ std::optional<std::uint32_t> valueAt(const std::byte* bytes, const ValueType& ty
         raw = raw << 8 | std::to_integer<std::uint64_t>(bytes[at]);
     }
     if (type.isBoolean) return raw != 0 ? 1 : 0;
+    if (type.isFloat)
+        return wholeIn(type.bytes == 4 ? std::bit_cast<float>(static_cast<std::uint32_t>(raw))
+                                       : std::bit_cast<double>(raw));
     const bool negative = type.isSigned && (raw >> (8 * type.bytes - 1) & 1) != 0;
     if (negative || raw > std::numeric_limits<std::uint32_t>::max()) return std::nullopt;
     return static_cast<std::uint32_t>(raw);
@@ -81,7 +93,7 @@ Result<ValueTable> collectValues(std::span<const std::byte> values, const ValueT
         if (!value)
             return fail(ErrorCode::malformedInput,
                         "the value at index " + std::to_string(offset / type.bytes) +
-                            " is negative or above 4294967295",
+                            " is no whole number from 0 to 4294967295, so it is no label",
                         "/grid");
         if (const std::size_t distinct = table.add(*value); distinct > limit)
             return fail(

@@ -13,12 +13,13 @@
 
 namespace rivage::core {
 
-/// How the whole numbers of a dense volume are stored.
+/// How the values of a dense volume are stored.
 struct ValueType {
     int bytes = 1;  ///< 1, 2, 4 or 8
     bool isSigned = false;
     bool bigEndian = false;
     bool isBoolean = false;  ///< every value but 0 counts as 1
+    bool isFloat = false;    ///< of 4 or 8 bytes; the values are whole all the same
 };
 
 /// A scene of one model from a dense volume of values: 0 is empty, and the other values that
@@ -27,7 +28,7 @@ struct ValueType {
 ///
 /// @param values  exactly size.x * size.y * size.z values, x fastest, then y, then z
 /// @param size    at least 1 along each axis
-/// @errors        malformedInput on a negative value or one above 2^32 - 1; tooManyLabels above
+/// @errors        malformedInput on a value that is no whole number from 0 to 2^32 - 1; tooManyLabels above
 ///                `maxMaterials` values; tooLarge by extent; memoryBudget; emptyGrid; cancelled
 /// @cost          O(values * log(distinct values above 65535)) time, 2 bytes per voxel in bricks
 Result<Scene> sceneFromVolume(std::span<const std::byte> values, const ValueType& type,

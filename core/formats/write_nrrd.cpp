@@ -94,7 +94,8 @@ std::string headerOf(const VoxelGrid& grid, const VolumePlace& place, bool packe
         header += key + "Color:=";
         for (int i = 0; i < 3; ++i) header += (i ? " " : "") + text(colors[l][i] / 255.0);
         header += "\n" + key + "LabelValue:=" + std::to_string(l) + "\n";
-        header += key + "Layer:=0\n" + key + "Extent:=" + extent + "\n";
+        header += key + "Layer:=0\n";
+        header += key + "Extent:=" + extent + "\n";
     }
     return header + "\n";
 }

@@ -56,8 +56,10 @@ LabelKey keyByClass(MaterialClass kind) {
     return {static_cast<std::uint64_t>(kind), kClassNames[static_cast<std::size_t>(kind)]};
 }
 
-LabelKey keyBySource(const Material& material) {
-    return {material.source, std::to_string(material.source)};
+/// Volumes name their values, if they do; palettes name colours, which are many.
+LabelKey keyBySource(const Material& material, GridFormat format) {
+    const bool named = format != GridFormat::vox && !material.name.empty();
+    return {material.source, named ? material.name : std::to_string(material.source)};
 }
 
 LabelKey keyByMap(const LabelMap& map, const std::vector<LabelRule>& rules,
@@ -78,10 +80,10 @@ LabelKey keyOf(const Material& material, GridFormat format, const InputOptions& 
     switch (options.labels) {
         case LabelMode::automatic:
             return format == GridFormat::vox ? keyByClass(automaticClass(material.kind))
-                                             : keyBySource(material);
+                                             : keyBySource(material, format);
         case LabelMode::solid: return {0, "solid"};
         case LabelMode::material: return keyByClass(material.kind);
-        case LabelMode::palette: return keyBySource(material);
+        case LabelMode::palette: return keyBySource(material, format);
         case LabelMode::map: break;
     }
     return keyByMap(map, options.labelMap, material);
@@ -116,7 +118,11 @@ Result<IdVector<Label, std::string>> assignLabels(IdVector<MaterialId, Material>
 
     IdVector<Label, std::string> labels(1);
     std::map<std::uint64_t, Label> labelOf{{kNoLabel, Label{0}}};
-    for (const auto& [order, name] : names) labelOf[order] = labels.push_back(name);
+    std::set<std::string> taken;
+    for (auto& [order, name] : names) {
+        while (!taken.insert(name).second) name += " " + std::to_string(order);
+        labelOf[order] = labels.push_back(name);
+    }
     for (std::size_t i = 1; i < materials.size(); ++i)
         materials.raw()[i].label = labelOf.at(keys[i]);
     return labels;

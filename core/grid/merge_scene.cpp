@@ -330,7 +330,8 @@ Result<VoxelGrid> mergeScene(const Scene& scene, const InputOptions& options,
     grid.materials = std::move(kept.table);
     grid.labels = *std::move(labels);
     grid.openBorder = open;
-    grid.spacing = options.spacing / options.spacing.minCoeff();
+    const Vec3d sides = options.spacing.value_or(scene.spacing);
+    grid.spacing = sides / sides.minCoeff();
     if (kept.drops) cropToKept(grid, run);
     if (run.stopped()) return fail(run.stopError());
     if (grid.voxels.size() == Vec3i::Zero())

@@ -29,6 +29,7 @@ struct Scene {
     std::vector<BrickGrid> models;
     std::vector<Instance> instances;
     IdVector<MaterialId, Material> materials{1};  ///< labels are not assigned yet
+    Vec3d spacing = Vec3d::Ones();                ///< relative sides of a voxel, as the file says
     bool laterInstanceWins = true;                ///< which instance is seen where two overlap
     GridFormat format = GridFormat::automatic;
     std::string formatDetail;           ///< e.g. "vox 200"

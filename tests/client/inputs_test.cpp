@@ -16,12 +16,13 @@ struct Tree {
     Tree() {
         for (const char* name : {"models/a/deep", "models/.git", "models/empty"})
             std::filesystem::create_directories(folder / name);
-        for (const char* name : {"models/b.vox", "models/README.md", "models/a/c.NPY",
-                                 "models/a/deep/d.vox", "models/.git/e.vox", "models/.f.vox"})
+        for (const char* name :
+             {"models/b.vox", "models/README.md", "models/a/c.NPY", "models/z.nii.gz",
+              "models/z.gz", "models/a/deep/d.vox", "models/.git/e.vox", "models/.f.vox"})
             writeFile(folder / name, "x");
     }
     [[nodiscard]] std::vector<std::string> find(const std::string& name) const {
-        const auto inputs = findInputs({name}, {".vox", ".npy"}, true);
+        const auto inputs = findInputs({name}, {".vox", ".npy", ".nii.gz"}, true);
         std::vector<std::string> below;
         for (const InputFile& file : inputs->files) below.push_back(file.below);
         return below;
@@ -57,9 +58,10 @@ TEST_CASE("inputs: patterns") {
 
 TEST_CASE("inputs: folders and patterns, sorted, each file once") {
     const Tree tree;
-    CHECK(tree.find(tree.folder / "models") == Names{"a/c.NPY", "a/deep/d.vox", "b.vox"});
+    CHECK(tree.find(tree.folder / "models") ==
+          Names{"a/c.NPY", "a/deep/d.vox", "b.vox", "z.nii.gz"});
     CHECK(tree.find(tree.folder / "models/**/*.vox") == Names{"a/deep/d.vox", "b.vox"});
-    CHECK(tree.find(tree.folder / "models/*") == Names{"README.md", "b.vox"});
+    CHECK(tree.find(tree.folder / "models/*") == Names{"README.md", "b.vox", "z.gz", "z.nii.gz"});
     CHECK(tree.find(tree.folder / "mod*/*.vox") == Names{"models/b.vox"});
     CHECK(tree.find(tree.folder / "models/empty").empty());
     CHECK(tree.find(tree.folder / "models/b.vox") == Names{"b.vox"});

@@ -28,6 +28,8 @@ TEST_CASE("plan: where results go") {
     };
     CHECK(outputOf("a/house.vox", "") == "a/house.glb");
     CHECK(outputOf("house", "") == "house.glb");
+    CHECK(outputOf("a/brain.nii.gz", "") == "a/brain.glb");
+    CHECK(outputOf("a/brain.seg.nrrd", "new/") == "new/brain.seg.glb");
     CHECK(outputOf("house.vox", "x.bin") == "x.bin");
     CHECK(outputOf("a/house.vox", "new/") == "new/house.glb");
     CHECK(outputOf("a/house.vox", folder / "") == folder / "house.glb");

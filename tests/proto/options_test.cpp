@@ -206,6 +206,11 @@ TEST_CASE("parseOptions: spacing as text and as JSON") {
     CHECK(proto::toJson(*fromText) == proto::toJson(*fromJson));
     CHECK(parse({}, R"({"spacing":"0.3x0.3x1e-1"})"));
     CHECK(parse({{"spacing", "1x100x1"}}));
+    CHECK(valueOf(*parse({}), "spacing") == "auto");
+    CHECK(parse({})->conversion.input.spacing == std::nullopt);
+    CHECK(parse({{"spacing", "auto"}})->conversion.input.spacing == std::nullopt);
+    CHECK(parse({}, R"({"spacing":"auto"})"));
+    CHECK(parse({{"spacing", "1x1x1"}})->conversion.input.spacing == core::Vec3d(1, 1, 1));
     for (const char* bad : {"1x1", "1x1x1x1", "0x1x1", "1x1x-1", "1x1x100.1", "0.009x1x0.5", "x",
                             "1x1x", "axbxc", "1x1xnan", "1x1xinf", "1e7x1e7x1e7", "1 x1x1"})
         checkRefused(parse({{"spacing", bad}}), ErrorCode::invalidOption, "/options/spacing");

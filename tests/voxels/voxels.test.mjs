@@ -93,6 +93,22 @@ test('the island three times as fine keeps its colours and materials', async (t)
   assert.equal(centres.length, voxels, 'and there is nothing where nothing was');
 });
 
+test('an NRRD volume that was written is read with the same regions, names, colours and sides', async (t) => {
+  const folder = makeFolder(t);
+  assert.equal((await rivage(['sample', 'foam', '-o', 'foam.vox'], {folder})).code, 0);
+  const written = await convert(folder, 'foam.vox', 'foam.nrrd', '--labels', 'palette', '--spacing', '1x1x2');
+  const read = await convert(folder, 'foam.nrrd', 'again.nrrd');
+  assert.match(read.report.input.format, /^nrrd 5 uint8$/);
+  assert.deepEqual(read.report.input.spacing, [1, 1, 2]);
+  assert.deepEqual(read.report.input.labels, written.report.input.labels);
+  const [one, two] = [written, read].map(({bytes}) => readNrrd(bytes));
+  assert.deepEqual(two.sizes, one.sizes);
+  assert.deepEqual(two.values, one.values);
+  const colours = ({fields}) => Object.entries(fields).filter(([key]) => /_(Name|Color)$/.test(key));
+  assert.ok(colours(one).length > 2);
+  assert.deepEqual(colours(two), colours(one));
+});
+
 test('more than 255 colours are joined, and the report says how far off they are', async (t) => {
   const folder = makeFolder(t);
   writeFileSync(join(folder, 'in.npy'), npy([20, 20, 2], 2, (x, y, z) => 1 + x + 20 * y + 400 * z));

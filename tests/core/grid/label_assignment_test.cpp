@@ -67,6 +67,16 @@ TEST_CASE("labels: auto gives other formats one label a value") {
     CHECK(table.labels() == std::vector<int>{6, 5, 4, 3, 2, 1, 0});
 }
 
+TEST_CASE("labels: values of a volume that have a name bring it along, each its own") {
+    Table table;
+    for (const std::size_t m : {1U, 3U, 4U}) table.materials.raw()[m].name = "lung";
+    table.materials.raw()[2].name = "heart";
+    CHECK(table.assign({}, GridFormat::nrrd)->raw() ==
+          Names{"", "14", "15", "lung", "lung 17", "heart", "lung 19"});
+    CHECK(table.assign({.labels = LabelMode::palette}, GridFormat::vox)->raw() ==
+          Names{"", "14", "15", "16", "17", "18", "19"});
+}
+
 TEST_CASE("labels: solid, material and palette") {
     Table table;
     CHECK(table.assign({.labels = LabelMode::solid})->raw() == Names{"", "solid"});

@@ -274,6 +274,10 @@ TEST_CASE("spacing: is told in the shortest side") {
     const Scene scene = randomScene(Vec3i(2, 2, 2), 1);
     CHECK(mergeScene(scene, {.spacing = Vec3d(0.5, 1, 0.25)}, {})->spacing == Vec3d(2, 4, 1));
     CHECK(mergeScene(scene, {}, {})->spacing == Vec3d(1, 1, 1));
+    Scene tall = scene;
+    tall.spacing = Vec3d(3, 3, 6);
+    CHECK(mergeScene(tall, {}, {})->spacing == Vec3d(1, 1, 2));
+    CHECK(mergeScene(tall, {.spacing = Vec3d::Ones()}, {})->spacing == Vec3d(1, 1, 1));
 }
 
 TEST_CASE("reject: a scene that spans the whole range of translations") {

@@ -54,8 +54,7 @@ std::size_t countChanged(const VoxelGrid& input, const VoxelGrid& fine, int fact
             for (int x = -1; x <= size.x(); ++x) {
                 const Vec3i at = input.origin + Vec3i(x, y, z);
                 const Material& was = materialAt(input, at);
-                const Material& is =
-                    materialAt(fine, factor * at + Vec3i::Constant(factor / 2));
+                const Material& is = materialAt(fine, factor * at + Vec3i::Constant(factor / 2));
                 const bool empty = was.label == Label{0};
                 changed += empty ? is.label != Label{0} : !sameLook(was, is);
             }
@@ -94,8 +93,7 @@ TEST_SUITE("core/pipeline") {
                 CHECK(countChanged(input, fine, factor) == 0);
                 REQUIRE(artifact->report.voxels);
                 CHECK(artifact->report.voxels->voxels == fine.voxels.countVoxels());
-                if (factor == 1)
-                    CHECK(fine.voxels.countVoxels() == input.voxels.countVoxels());
+                if (factor == 1) CHECK(fine.voxels.countVoxels() == input.voxels.countVoxels());
             }
         }
     }
@@ -118,8 +116,7 @@ TEST_SUITE("core/pipeline") {
             for (const Material& material : input.materials)
                 palette[material.source] = material.color;
             for (std::size_t m = 1; m < made.materials.size(); ++m)
-                CHECK(palette.at(made.materials.raw()[m].source) ==
-                      made.materials.raw()[m].color);
+                CHECK(palette.at(made.materials.raw()[m].source) == made.materials.raw()[m].color);
             CHECK(artifact->report.voxels->colors == made.materials.size() - 1);
             CHECK_FALSE(artifact->report.voxels->paletteError);
         }
