@@ -120,7 +120,7 @@ CommandLine parseCommandLine(const std::vector<std::string>& arguments, Console&
     } catch (const CLI::Success& done) {
         app.exit(done, console.out, console.err);
         return tl::unexpected(outputArrived(console, "rivage") ? ExitCode::ok
-                                                              : ExitCode::notWritten);
+                                                               : ExitCode::notWritten);
     } catch (const CLI::ParseError& error) {
         return complain(console, complaint(app, arguments, error));
     }

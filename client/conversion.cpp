@@ -30,7 +30,7 @@ public:
 
 private:
     Outcome<Json> finish(const std::string& id) {
-        const auto job = followJob(transport_, id, watch_);
+        auto job = followJob(transport_, id, watch_);
         if (!job) return job;
         ended_ = true;
         auto report = reportOf(*job);

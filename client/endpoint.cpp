@@ -37,7 +37,7 @@ bool isV6(std::string_view host) {
 std::string takeHost(std::string_view rest, Endpoint& endpoint) {
     const bool bracket = rest.starts_with('[');
     const std::size_t end = bracket ? rest.find(']') : std::min(rest.find(':'), rest.size());
-    if (end == rest.npos) return "the ']' of the IPv6 address is missing";
+    if (end == std::string_view::npos) return "the ']' of the IPv6 address is missing";
     const std::string_view host = bracket ? rest.substr(1, end - 1) : rest.substr(0, end);
     const std::string_view port = rest.substr(bracket ? end + 1 : end);
     if (bracket && !isV6(host)) return "between '[' and ']' there is no IPv6 address";
@@ -64,7 +64,7 @@ Outcome<Endpoint> parseEndpoint(std::string_view text) {
         return Endpoint{std::string(path), 0};
     }
     // Before any words that show the text: what stands before '@' may be a password.
-    if (text.find('@') != text.npos)
+    if (text.find('@') != std::string_view::npos)
         return fail(ExitCode::usage, "This is no address of a server",
                     "it must not have a user or a password before '@'; keys are for "
                     "--api-key-file or RIVAGE_API_KEY");

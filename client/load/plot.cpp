@@ -72,7 +72,8 @@ Scale scaleOf(const PlotPanel& panel, double top) {
 std::string drawAxes(const PlotPanel& panel, const Scale& scale) {
     const double bottom = scale.top + kPanel - kBottom;
     std::string svg = textAt(kLeft, scale.top + 20, "start", panel.title);
-    for (double decade = scale.low; decade <= scale.high; ++decade) {
+    const int last = static_cast<int>(scale.high);
+    for (int decade = static_cast<int>(scale.low); decade <= last; ++decade) {
         const double value = std::pow(10, decade);
         svg += rule(kLeft, scale.y(value), kWidth - kRight, scale.y(value));
         svg += textAt(kLeft - 8, scale.y(value) + 4, "end",
@@ -106,9 +107,11 @@ std::vector<std::pair<double, double>> spectrum(const Histogram& histogram) {
     std::vector<std::pair<double, double>> points;
     if (histogram.count() == 0) return points;
     const double nines = std::log10(static_cast<double>(histogram.count()));
-    for (double x = 0; x <= nines; x += 0.02)
-        points.emplace_back(x,
-                            static_cast<double>(histogram.valueAt(100 * (1 - std::pow(10, -x)))));
+    constexpr double kStep = 0.02;
+    for (int i = 0; i * kStep <= nines; ++i) {
+        const double percent = 100 * (1 - std::pow(10, -i * kStep));
+        points.emplace_back(i * kStep, static_cast<double>(histogram.valueAt(percent)));
+    }
     points.emplace_back(nines, static_cast<double>(histogram.max()));
     return points;
 }
