@@ -137,7 +137,7 @@ std::string placeOf(const Session& session, const std::string& id, const Json& j
 
 Outcome<Json> fetch(Session& session, const std::string& id, ProgressBoard& board) {
     Transport transport = session.connect();
-    const auto job = ended(session, transport, id, board);
+    auto job = ended(session, transport, id, board);
     if (!job) return job;
     auto report = reportOf(*job);
     if (!report) return report;

@@ -94,8 +94,7 @@ std::vector<PartPair> pairUp(const Surface& a, const Surface& b) {
 }
 
 double quantile(std::vector<double>& values, double share) {
-    const auto at =
-        static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+    const std::ptrdiff_t at = std::lround(share * static_cast<double>(values.size() - 1));
     std::nth_element(values.begin(), values.begin() + at, values.end());
     return values[at];
 }

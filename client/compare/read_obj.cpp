@@ -17,7 +17,7 @@ constexpr float kWhite = 1;
 /// Takes the next word off a line.
 std::string_view nextWord(std::string_view& line) {
     const std::size_t from = line.find_first_not_of(" \t\r");
-    if (from == line.npos) return line = {};
+    if (from == std::string_view::npos) return line = {};
     const std::size_t to = std::min(line.find_first_of(" \t\r", from), line.size());
     const std::string_view word = line.substr(from, to - from);
     line.remove_prefix(to);

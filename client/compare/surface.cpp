@@ -19,7 +19,8 @@ Outcome<Surface> readSurface(const std::string& bytes, const SurfaceLimits& limi
     const std::string_view start = std::string_view(bytes).substr(0, 1024);
     if (start.empty()) return malformed("it is empty");
     const bool glb = start.starts_with("glTF");
-    if (!glb && start.find('\0') != start.npos) return unsupported("it is neither GLB nor OBJ");
+    if (!glb && start.find('\0') != std::string_view::npos)
+        return unsupported("it is neither GLB nor OBJ");
     if (start.starts_with('{')) return unsupported("it is glTF as text; only GLB is read");
     try {
         auto surface = glb ? readGlb(bytes, limits) : readObj(bytes, limits);

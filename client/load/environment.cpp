@@ -39,7 +39,7 @@ std::string valueIn(const char* path, std::string_view name) {
     return {};
 }
 
-std::string orUnknown(std::string text) { return text.empty() ? "unknown" : text; }
+std::string orUnknown(const std::string& text) { return text.empty() ? "unknown" : text; }
 
 std::string timeNow() {
     const std::time_t now = std::time(nullptr);

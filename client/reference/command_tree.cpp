@@ -33,7 +33,8 @@ std::vector<std::string> split(std::string_view text, char at) {
 /// Where the descriptions of the checks begin, which CLI11 puts behind the name of the type with a
 /// colon between; a name such as HOST:PORT has a colon of its own.
 std::size_t checksStart(std::string_view type) {
-    for (std::size_t at = type.find(':'); at != type.npos; at = type.find(':', at + 1)) {
+    for (std::size_t at = type.find(':'); at != std::string_view::npos;
+         at = type.find(':', at + 1)) {
         const std::string_view rest = type.substr(at + 1);
         for (const char* check : {"{", "FILE", "DIR", "PATH(", "INT in [", "UINT in [",
                                   "FLOAT in [", "POSITIVE", "NONNEGATIVE", "NUMBER"})
@@ -46,7 +47,7 @@ std::size_t checksStart(std::string_view type) {
 std::vector<std::string> membersOf(std::string_view checks) {
     const std::size_t open = checks.find('{');
     const std::size_t close = checks.find('}', open);
-    if (open == checks.npos || close == checks.npos) return {};
+    if (open == std::string_view::npos || close == std::string_view::npos) return {};
     std::vector<std::string> words;
     for (const std::string& member : split(checks.substr(open + 1, close - open - 1), ',')) {
         const std::string word = member.substr(0, member.find("->"));
@@ -77,7 +78,7 @@ ValueKind kindOf(const std::string& type, const std::string& positional) {
     kind.folders = kind.folders && !kind.files;
     kind.name = name == "TEXT" && !kind.words.empty() ? joined(kind.words, "|") : name;
     const std::size_t from = checks.find(" in [");
-    if (from != checks.npos) {
+    if (from != std::string_view::npos) {
         const std::size_t start = from + std::string_view(" in [").size();
         kind.range = checks.substr(start, checks.find(']', start) - start);
     }

@@ -24,7 +24,7 @@ std::string functionOf(const TreeCommand& command) {
 /// What completes a value: words, paths, both, or nothing.
 std::string actionOf(const std::vector<std::string>& words, bool files, bool folders) {
     const std::string paths = files ? "_files" : folders ? "_path_files -/" : "";
-    const std::string list = "(" + joined(words, " ") + ")";
+    std::string list = "(" + joined(words, " ") + ")";
     if (words.empty()) return paths.empty() ? " " : paths;
     if (paths.empty()) return list;
     return "{_alternative \"words\\:word\\:" + list + "\" \"paths\\:path\\:" + paths + "\"}";

@@ -39,8 +39,6 @@ public:
             }
             const bool starved = state == Z_BUF_ERROR && stream_.avail_in == 0 && packed_.empty();
             if (state != Z_OK || starved) return std::nullopt;
-            if (stream_.avail_in == 0 && packed_.empty() && filled < room.size())
-                return std::nullopt;
         }
         return ready_ ? std::optional(filled) : std::nullopt;
     }

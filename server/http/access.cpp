@@ -29,7 +29,8 @@ std::string presentedKey(const httplib::Request& request) {
 }
 
 void refuseByQuota(Service& service, httplib::Response& response, const std::string& policy,
-                   const std::string& state, std::chrono::seconds retryAfter, core::Error error) {
+                   const std::string& state, std::chrono::seconds retryAfter,
+                   const core::Error& error) {
     ++service.rejectedQuota;
     response.set_header("RateLimit-Policy", policy);
     response.set_header("RateLimit", state);
@@ -48,7 +49,7 @@ bool refusesRate(Service& service, httplib::Response& response, const Caller& ca
     error.limit = caller.quota.requests;
     refuseByQuota(service, response, "\"requests\";q=" + quota + ";w=" + window,
                   "\"requests\";r=0;t=" + std::to_string(charge.retryAfter.count()),
-                  charge.retryAfter, std::move(error));
+                  charge.retryAfter, error);
     return true;
 }
 
@@ -66,7 +67,7 @@ bool refusesJob(Service& service, httplib::Response& response, const Caller& cal
                       "this key may have " + quota + " jobs that have not ended"};
     error.limit = caller.quota.jobs;
     refuseByQuota(service, response, "\"jobs\";q=" + quota, "\"jobs\";r=0",
-                  service.pool.retryAfter(), std::move(error));
+                  service.pool.retryAfter(), error);
     return true;
 }
 

@@ -47,7 +47,8 @@ bool isBoundary(std::string_view text) {
     constexpr std::string_view kOthers = "'()+_,-./:=? ";
     return !text.empty() && text.size() <= 70 && text.back() != ' ' &&
            std::all_of(text.begin(), text.end(), [&](unsigned char c) {
-               return std::isalnum(c) != 0 || kOthers.find(static_cast<char>(c)) != kOthers.npos;
+               return std::isalnum(c) != 0 ||
+                      kOthers.find(static_cast<char>(c)) != std::string_view::npos;
            });
 }
 

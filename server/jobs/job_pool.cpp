@@ -175,7 +175,7 @@ core::Result<void> JobPool::keep(const std::shared_ptr<Job>& job) {
     if (!storage_.jobs) return {};
     for (const auto& task : tasks())
         if (task->serves(*job))
-            if (const auto kept = keepBytes(*task->input()); !kept) return kept;
+            if (auto kept = keepBytes(*task->input()); !kept) return kept;
     return save(*job);
 }
 
@@ -194,7 +194,7 @@ core::Result<void> JobPool::save(const Job& job) {
     const std::lock_guard lock(saving_);
     const JobRecord record = job.record();
     if (const ResultPtr result = job.snapshot().result)
-        if (const auto kept = keepBytes(*result->blob); !kept) return kept;
+        if (auto kept = keepBytes(*result->blob); !kept) return kept;
     return storage_.jobs->save(record);
 }
 

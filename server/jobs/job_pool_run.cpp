@@ -210,8 +210,9 @@ void JobPool::expireJobs(Clock::time_point now) {
 /// Those who wait are told when their place in the queue has changed.
 void JobPool::tellPositions() {
     const auto waiting = queue_->waiting();
-    std::vector<const Task*> order;
-    for (const auto& task : waiting) order.push_back(task.get());
+    std::vector<const Task*> order(waiting.size());
+    std::transform(waiting.begin(), waiting.end(), order.begin(),
+                   [](const auto& task) { return task.get(); });
     if (order == positions_) return;
     for (std::size_t i = 0; i < waiting.size(); ++i) {
         if (i < positions_.size() && positions_[i] == order[i]) continue;
