@@ -72,7 +72,8 @@ std::vector<Chunk> cutQuads(const MeshPrimitive& primitive, std::size_t most,
             continue;
         }
         const std::size_t pieces = chunk.size() / (most - most / kSlack) + 1;
-        const double share = static_cast<double>(pieces / 2) / static_cast<double>(pieces);
+        const std::size_t half = pieces / 2;
+        const double share = static_cast<double>(half) / static_cast<double>(pieces);
         const Cut cut(primitive, chunk, share, run);
         Chunk low;
         Chunk high;
@@ -95,6 +96,7 @@ MeshPrimitive chunkOf(const MeshPrimitive& primitive, std::span<const std::uint3
         used.insert(used.end(), primitive.quads[q].begin(), primitive.quads[q].end());
     const std::vector<std::uint32_t> vertices = distinct(std::move(used));
     std::vector<std::uint32_t> standing;
+    standing.reserve(vertices.size());
     for (const std::uint32_t v : vertices) standing.push_back(primitive.points[v]);
     const std::vector<std::uint32_t> points = distinct(standing);
 

@@ -5,7 +5,7 @@ namespace {
 
 Vec3d pivotOf(const Mesh& mesh, Pivot pivot) {
     const Vec3d& low = mesh.boxMin;
-    const Vec3d center = 0.5 * (low + mesh.boxMax);
+    Vec3d center = 0.5 * (low + mesh.boxMax);
     switch (pivot) {
         case Pivot::bottom: return {center.x(), center.y(), low.z()};
         case Pivot::center: return center;

@@ -67,7 +67,8 @@ TEST_CASE("reject: .vol files that are broken") {
          {std::string("X: 1\n.\n"), headerWith("X: three\n") + kValues,
           headerWith("X: 0\nVersion: 2\n"), headerWith("Version: 2\n") + kValues + "x",
           headerWith("Version: 2\n") + "x", headerWith("Version: 3\n") + kValues,
-          headerWith("") + kValues, headerWith(""),
+          headerWith("Version: 3\n") + packed(kValues + "x"),
+          headerWith("Version: 3\n") + packed("x"), headerWith("") + kValues, headerWith(""),
           headerWith("Voxel-Size: big\nVersion: 2\n") + kValues}) {
         CAPTURE(file);
         const auto scene = read(file);
