@@ -1,7 +1,6 @@
 #include "core/formats/nrrd_header.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string_view>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "core/formats/clean_text.h"
+#include "core/formats/header_text.h"
 
 namespace rivage::core {
 namespace {
@@ -26,12 +26,6 @@ tl::unexpected<Error> unsupported(std::string_view field, const std::string& mes
     return fail(ErrorCode::unsupportedFormat, message, std::string(kField).append(field));
 }
 
-std::string_view trimmed(std::string_view text) {
-    const std::size_t begin = text.find_first_not_of(" \t");
-    if (begin == std::string_view::npos) return {};
-    return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
-
 std::string lowerCase(std::string_view text) {
     std::string lower(text);
     for (char& c : lower)
@@ -47,14 +41,6 @@ std::vector<std::string_view> words(std::string_view text) {
         text.remove_prefix(end);
     }
     return list;
-}
-
-template <typename Number>
-std::optional<Number> numberIn(std::string_view text) {
-    Number value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-    return value;
 }
 
 /// The lines of a header: fields by their names, and the keys of segments.

@@ -1,7 +1,6 @@
 #include "core/formats/read_vol.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "core/formats/clean_text.h"
+#include "core/formats/header_text.h"
 #include "core/formats/inflate.h"
 #include "core/formats/label_volume.h"
 
@@ -28,12 +28,7 @@ struct VolHeader {
 
     [[nodiscard]] std::optional<std::uint64_t> number(std::string_view key) const {
         const auto found = fields.find(key);
-        if (found == fields.end()) return std::nullopt;
-        const std::string& text = found->second;
-        std::uint64_t value = 0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        return error == std::errc{} && end == text.data() + text.size() ? std::optional(value)
-                                                                        : std::nullopt;
+        return found == fields.end() ? std::nullopt : numberIn<std::uint64_t>(found->second);
     }
 };
 
@@ -41,12 +36,6 @@ std::string_view headOf(std::span<const std::byte> bytes) {
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()),
                                 std::min(bytes.size(), kMaxHeader));
     return text.substr(0, text.find(kEnd));
-}
-
-std::string_view trimmed(std::string_view text) {
-    const std::size_t begin = text.find_first_not_of(" \t\r");
-    if (begin == std::string_view::npos) return {};
-    return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
 }
 
 VolHeader readHeader(std::span<const std::byte> bytes) {
