@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "core/base/parallel.h"
 #include "core/mesh/crossing.h"
@@ -10,25 +11,42 @@
 namespace rivage::core {
 namespace {
 
-constexpr double kMinArea = 0.02;  // of the area on the lattice
-constexpr double kShrink = 0.7;    // of a displacement, a round
-constexpr double kSnap = 1e-3;     // voxels: a displacement below it ends, so rounds are bounded
+constexpr double kMinArea = 0.02;     // of the area on the lattice
+constexpr double kOpenCorner = 0.05;  // of the area on the lattice: edge by edge, at a corner
+constexpr double kOpenCosine = 0.1;   // between the normals of two corners
+constexpr double kShrink = 0.7;       // of a displacement, a round
+constexpr double kSnap = 1e-3;        // voxels: a displacement below it ends, so rounds are bounded
 using Flags = IdVector<PointelId, std::uint8_t>;  // a byte each, so that threads write apart
+
+enum class FaceState : std::uint8_t { open, narrow, inverted };
+
+/// Narrow: not inverted, but a piece at one of its corners would be, or nearly so.
+FaceState stateOf(const DigitalSurface& surface, SurfelId s,
+                  const IdVector<PointelId, Vec3d>& positions) {
+    std::array<Vec3d, 4> at;
+    for (std::size_t k = 0; k < 4; ++k) at[k] = positions[surface.corners[s][k]];
+    const double whole = surface.faceArea(surface.axis[s]);
+    const double area = 0.5 * (at[2] - at[0]).cross(at[3] - at[1]).norm();
+    if (!(area >= kMinArea * whole)) return FaceState::inverted;  // also if it is not a number
+    std::array<Vec3d, 4> normals;
+    std::array<double, 4> sizes;
+    for (std::size_t k = 0; k < 4; ++k) {
+        normals[k] = (at[(k + 1) & 3U] - at[k]).cross(at[(k + 3) & 3U] - at[k]);
+        sizes[k] = normals[k].norm();
+    }
+    bool narrow = *std::min_element(sizes.begin(), sizes.end()) < kOpenCorner * whole;
+    for (std::size_t k = 0; k < 4; ++k)
+        for (std::size_t l = k + 1; l < 4; ++l) {
+            const double dot = normals[k].dot(normals[l]);
+            if (!(dot >= 0)) return FaceState::inverted;
+            narrow = narrow || dot < kOpenCosine * sizes[k] * sizes[l];
+        }
+    return narrow ? FaceState::narrow : FaceState::open;
+}
 
 bool isInverted(const DigitalSurface& surface, SurfelId s,
                 const IdVector<PointelId, Vec3d>& positions) {
-    std::array<Vec3d, 4> at;
-    for (std::size_t k = 0; k < 4; ++k) at[k] = positions[surface.corners[s][k]];
-    const double area = 0.5 * (at[2] - at[0]).cross(at[3] - at[1]).norm();
-    if (!(area >= kMinArea * surface.faceArea(surface.axis[s])))
-        return true;  // also where something is not a number
-    std::array<Vec3d, 4> normals;
-    for (std::size_t k = 0; k < 4; ++k)
-        normals[k] = (at[(k + 1) & 3U] - at[k]).cross(at[(k + 3) & 3U] - at[k]);
-    for (std::size_t k = 0; k < 4; ++k)
-        for (std::size_t l = k + 1; l < 4; ++l)
-            if (!(normals[k].dot(normals[l]) >= 0)) return true;
-    return false;
+    return stateOf(surface, s, positions) == FaceState::inverted;
 }
 
 bool anyMoved(const DigitalSurface& surface, SurfelId s, const Flags& moved) {
@@ -62,6 +80,7 @@ public:
     [[nodiscard]] Vec3d homeOf(PointelId p) const {
         return home_ != nullptr ? (*home_)[p] : surface_.position(p);
     }
+    [[nodiscard]] const std::vector<FacePair>& touching() const { return touching_; }
     [[nodiscard]] Tangles count() const { return {sum(inverted_), sum(crossing_)}; }
     /// Sets the flags of the pointels that are to be drawn back, and clears the others.
     void choose(const IdVector<PointelId, Vec3d>& positions, Flags& chosen) const {
@@ -119,6 +138,93 @@ Vec3d drawnBack(const Vec3d& position, const Vec3d& rest) {
     return ends ? rest : Vec3d(rest + displacement);
 }
 
+/// The faces around each pointel, ascending.
+class FacesAround {
+public:
+    explicit FacesAround(const DigitalSurface& surface) : start_(surface.pointelCount() + 1) {
+        for (const auto& corners : surface.corners.raw())
+            for (const PointelId p : corners) ++start_[index(p) + 1U];
+        for (std::size_t i = 1; i < start_.size(); ++i) start_[i] += start_[i - 1];
+        std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
+        faces_.resize(start_.back());
+        for (std::size_t s = 0; s < surface.surfelCount(); ++s)
+            for (const PointelId p : surface.corners.raw()[s])
+                faces_[next[index(p)]++] = SurfelId{static_cast<std::uint32_t>(s)};
+    }
+    [[nodiscard]] std::span<const SurfelId> of(PointelId p) const {
+        return std::span(faces_).subspan(start_[index(p)],
+                                         start_[index(p) + 1U] - start_[index(p)]);
+    }
+
+private:
+    std::vector<std::uint32_t> start_;
+    std::vector<SurfelId> faces_;
+};
+
+/// Lets vertices go again where they were before they were drawn back, as far as nothing tangles.
+/// Most were drawn back together with a neighbour, and more than was needed.
+class GivingBack {
+public:
+    GivingBack(const DigitalSurface& surface, const std::vector<FacePair>& touching,
+               const RunContext& run)
+        : surface_(surface), run_(run), around_(surface) {
+        for (const FacePair& pair : touching) {
+            pairs_.push_back({pair.first, pair.second});
+            pairs_.push_back({pair.second, pair.first});
+        }
+        std::sort(pairs_.begin(), pairs_.end());
+    }
+
+    /// In the order of the pointels, one after the other: each sees what those before it did.
+    void run(const IdVector<PointelId, Vec3d>& wanted, IdVector<PointelId, Vec3d>& positions) {
+        std::vector<PointelId> drawn;
+        for (std::size_t i = 0; i < positions.size(); ++i) {
+            const PointelId p{static_cast<std::uint32_t>(i)};
+            if (wanted[p].allFinite() && positions[p] != wanted[p]) drawn.push_back(p);
+        }
+        bool any = true;
+        for (int sweep = 0; sweep < kSweeps && any && !run_.stopped(); ++sweep) {
+            any = false;
+            for (const PointelId p : drawn) any = advance(p, wanted[p], positions) || any;
+        }
+    }
+
+private:
+    static constexpr int kSweeps = 30;
+    /// @return whether it moved by as much as is seen
+    bool advance(PointelId p, const Vec3d& wanted, IdVector<PointelId, Vec3d>& positions) const {
+        const Vec3d now = positions[p];
+        const std::size_t before = tangles(p, positions);
+        const double whole = (wanted - now).cwiseAbs().maxCoeff();
+        for (double share = 1; share * whole > kSnap; share /= 2) {
+            positions[p] = share == 1 ? wanted : Vec3d(now + share * (wanted - now));
+            if (tangles(p, positions) <= before) return true;
+        }
+        positions[p] = now;
+        return false;
+    }
+    /// How bad it is around a pointel; a tangle counts more than all narrow faces.
+    [[nodiscard]] std::size_t tangles(PointelId p,
+                                      const IdVector<PointelId, Vec3d>& positions) const {
+        constexpr std::size_t kTangle = 1000;
+        std::size_t count = 0;
+        for (const SurfelId s : around_.of(p)) {
+            const FaceState state = stateOf(surface_, s, positions);
+            count += state == FaceState::inverted ? kTangle : state == FaceState::narrow ? 1 : 0;
+            const FacePair first{s, SurfelId{0}};
+            for (auto pair = std::lower_bound(pairs_.begin(), pairs_.end(), first);
+                 pair != pairs_.end() && pair->first == s; ++pair)
+                count += facesCross(surface_, positions, *pair) ? kTangle : 0;
+        }
+        return count;
+    }
+
+    const DigitalSurface& surface_;
+    const RunContext& run_;
+    FacesAround around_;
+    std::vector<FacePair> pairs_;  ///< each both ways round, sorted
+};
+
 }  // namespace
 
 std::vector<SurfelId> invertedFaces(const DigitalSurface& surface,
@@ -137,11 +243,13 @@ Tangles untangle(const DigitalSurface& surface, IdVector<PointelId, Vec3d>& posi
     Flags moved(surface.pointelCount(), 1);
     TangleFinder finder(surface, home, run);
     Tangles atFirst;
+    IdVector<PointelId, Vec3d> wanted;
     for (int round = 0; !run.stopped(); ++round) {
         finder.look(positions, moved);
         const Tangles found = finder.count();
         if (round == 0) atFirst = found;
         if (found.inverted + found.crossing == 0) break;
+        if (round == 0) wanted = positions;
         finder.choose(positions, moved);
         bool any = false;
         serialFor(surface.pointelCount(), run, [&](std::size_t i) {
@@ -153,6 +261,7 @@ Tangles untangle(const DigitalSurface& surface, IdVector<PointelId, Vec3d>& posi
         });
         if (!any) break;
     }
+    if (!wanted.empty()) GivingBack(surface, finder.touching(), run).run(wanted, positions);
     return atFirst;
 }
 

@@ -26,12 +26,13 @@ struct Tangles {
 
 /// Draws the corners of inverted faces back towards their lattice places, step by step, until no
 /// face is inverted; and, where faces around different copies of a split pointel cross, these
-/// copies, and once they are at home all corners of the two faces. A vertex only ever moves on the
-/// segment to its own pointel, so every box or ball around the pointel keeps it.
+/// copies, and once they are at home all corners of the two faces. Then they are let go again, one
+/// after the other, as far as nothing tangles. A vertex only ever moves on the segment to its own
+/// pointel, so every box or ball around the pointel keeps it.
 /// @param home  where positions are drawn back to, in place of the lattice; tangles that are there
 ///              already stay
 /// @return  the same for any thread count. If `run` asks to stop, some tangles may be left.
-/// @cost    O(surfels) a round, rarely more than 20 rounds
+/// @cost    O(surfels) a round, rarely more than 20 rounds; then O(vertices drawn back)
 /// @source  METHOD.md 7.3; on the lattice itself no face is inverted or crosses, so it ends
 Tangles untangle(const DigitalSurface& surface, IdVector<PointelId, Vec3d>& positions,
                  const RunContext& run, const IdVector<PointelId, Vec3d>* home = nullptr);
