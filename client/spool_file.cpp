@@ -1,6 +1,7 @@
 #include "client/spool_file.h"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -24,12 +25,14 @@ tl::unexpected<Failure> notKept(int error) {
 Outcome<SpoolFile> SpoolFile::open() {
     std::error_code error;
     const std::filesystem::path folder = std::filesystem::temp_directory_path(error);
-    if (error) return notKept(error.value());
     std::string name = (folder / "rivage.XXXXXX").string();
     SpoolFile spool;
-    spool.file_ = mkostemp(name.data(), O_CLOEXEC);
+    if (!error) spool.file_ = mkostemp(name.data(), O_CLOEXEC);
+    if (spool.file_ >= 0)
+        unlink(name.c_str());
+    else  // as in a container whose files are read-only
+        spool.file_ = memfd_create("rivage", MFD_CLOEXEC);
     if (spool.file_ < 0) return notKept(errno);
-    unlink(name.c_str());
     return spool;
 }
 

@@ -9,11 +9,11 @@
 
 namespace rivage::client {
 
-/// Bytes kept on the disk until they are known to be whole: a temporary file without a name, gone
-/// with the object or the process.
+/// Bytes kept until they are known to be whole: in a temporary file without a name, gone with the
+/// object or the process; where no such file can be made, in memory.
 class SpoolFile {
 public:
-    /// @errors notWritten if the folder for temporary files takes none
+    /// @errors notWritten if neither can be had
     static Outcome<SpoolFile> open();
     SpoolFile(SpoolFile&& other) noexcept
         : file_(std::exchange(other.file_, -1)), size_(other.size_), error_(other.error_) {}

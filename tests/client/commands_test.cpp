@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <thread>
 
 #include "tests/client/fake_server.h"
@@ -65,6 +66,22 @@ TEST_CASE("regularize: the name of the result says its format") {
     any(fixture.regularize({"-o", fixture.folder / "house.v2", "--output", "glb"}));
     CHECK(any.code == ExitCode::ok);
     CHECK(contentOf(fixture.folder / "house.v2") == fixture.jobs.result);
+}
+
+TEST_CASE("regularize: to stdout where no temporary file can be made") {
+    Fixture fixture;
+    fixture.start();
+    const char* const before = std::getenv("TMPDIR");
+    const std::string kept = before ? before : "/tmp";
+    for (const char* folder : {"/nonexistent", "/proc"}) {
+        CAPTURE(folder);
+        setenv("TMPDIR", folder, 1);
+        Run run;
+        run(fixture.regularize({"-o", "-"}));
+        setenv("TMPDIR", kept.c_str(), 1);
+        CHECK(run.code == ExitCode::ok);
+        CHECK(run.out.str() == fixture.jobs.result);
+    }
 }
 
 TEST_CASE("regularize: stdin to stdout") {
