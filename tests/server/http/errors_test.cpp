@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "tests/server/http/packed.h"
 #include "tests/server/test_server.h"
+#include "tests/support/packed.h"
 
 using namespace rivage;
 using namespace rivage::test;
@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kBytes = "application/octet-stream";
 constexpr const char* kRoute = "/v1/regularize";
 
-std::string gzip(const std::string& text) { return deflated(text, 15 + 16); }
+std::string gzip(const std::string& text) { return packed(text); }
 
 bool isProblem(const std::string& answer, const std::string& status) {
     return answer.starts_with("HTTP/1.1 " + status) &&

@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "server/jobs/digest.h"
-#include "tests/server/http/packed.h"
 #include "tests/server/test_server.h"
+#include "tests/support/packed.h"
 
 using namespace rivage;
 using namespace rivage::test;
@@ -35,7 +35,7 @@ std::string zstd(const std::string& text, int windowLog = 20) {
 
 std::string encoded(const std::string& encoding, const std::string& text) {
     if (encoding == "zstd") return zstd(text);
-    return deflated(text, encoding == "gzip" ? 15 + 16 : 15);
+    return packed(text, encoding == "gzip");
 }
 
 std::string digestOf(const std::string& text) {
