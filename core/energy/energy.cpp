@@ -1,8 +1,10 @@
 #include "core/energy/energy.h"
 
 #include <Eigen/LU>
+#include <utility>
 
 #include "core/base/parallel.h"
+#include "core/surface/incident_corners.h"
 
 namespace rivage::core {
 namespace {
@@ -59,18 +61,9 @@ void Energy::chooseFairnessNeighbours(JunctionFairness rule) {
 }
 
 void Energy::listIncidentCorners() {
-    start_.assign(size() + 1, 0);
-    serialFor(surface_.surfelCount(), workers_, [&](std::size_t f) {
-        for (const PointelId i : surface_.corners[surfel(f)]) ++start_[index(i) + 1];
-    });
-    for (std::size_t n = 0; n < size(); ++n) start_[n + 1] += start_[n];
-    incident_.resize(surface_.surfelCount() * 4);
-    std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
-    serialFor(surface_.surfelCount(), workers_, [&](std::size_t f) {
-        for (std::size_t k = 0; k < 4; ++k)
-            incident_[next[index(surface_.corners[surfel(f)][k])]++] =
-                static_cast<std::uint32_t>(4 * f + k);
-    });
+    IncidentCorners around = core::incidentCorners(surface_, workers_);
+    start_ = std::move(around.start);
+    incident_ = std::move(around.corners);
 }
 
 // With M the mean of n n^T over the surfels around a pointel, the eigenvalues of M tell along how

@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <span>
 
 #include "core/base/parallel.h"
 #include "core/mesh/crossing.h"
+#include "core/surface/incident_corners.h"
 
 namespace rivage::core {
 namespace {
@@ -138,36 +138,13 @@ Vec3d drawnBack(const Vec3d& position, const Vec3d& rest) {
     return ends ? rest : Vec3d(rest + displacement);
 }
 
-/// The faces around each pointel, ascending.
-class FacesAround {
-public:
-    explicit FacesAround(const DigitalSurface& surface) : start_(surface.pointelCount() + 1) {
-        for (const auto& corners : surface.corners.raw())
-            for (const PointelId p : corners) ++start_[index(p) + 1U];
-        for (std::size_t i = 1; i < start_.size(); ++i) start_[i] += start_[i - 1];
-        std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
-        faces_.resize(start_.back());
-        for (std::size_t s = 0; s < surface.surfelCount(); ++s)
-            for (const PointelId p : surface.corners.raw()[s])
-                faces_[next[index(p)]++] = SurfelId{static_cast<std::uint32_t>(s)};
-    }
-    [[nodiscard]] std::span<const SurfelId> of(PointelId p) const {
-        return std::span(faces_).subspan(start_[index(p)],
-                                         start_[index(p) + 1U] - start_[index(p)]);
-    }
-
-private:
-    std::vector<std::uint32_t> start_;
-    std::vector<SurfelId> faces_;
-};
-
 /// Lets vertices go again where they were before they were drawn back, as far as nothing tangles.
 /// Most were drawn back together with a neighbour, and more than was needed.
 class GivingBack {
 public:
     GivingBack(const DigitalSurface& surface, const std::vector<FacePair>& touching,
                const RunContext& run)
-        : surface_(surface), run_(run), around_(surface) {
+        : surface_(surface), run_(run), around_(incidentCorners(surface, run)) {
         for (const FacePair& pair : touching) {
             pairs_.push_back({pair.first, pair.second});
             pairs_.push_back({pair.second, pair.first});
@@ -178,19 +155,23 @@ public:
     /// In the order of the pointels, one after the other: each sees what those before it did.
     void run(const IdVector<PointelId, Vec3d>& wanted, IdVector<PointelId, Vec3d>& positions) {
         std::vector<PointelId> drawn;
-        for (std::size_t i = 0; i < positions.size(); ++i) {
+        serialFor(positions.size(), run_, [&](std::size_t i) {
             const PointelId p{static_cast<std::uint32_t>(i)};
             if (wanted[p].allFinite() && positions[p] != wanted[p]) drawn.push_back(p);
-        }
+        });
         bool any = true;
         for (int sweep = 0; sweep < kSweeps && any && !run_.stopped(); ++sweep) {
             any = false;
-            for (const PointelId p : drawn) any = advance(p, wanted[p], positions) || any;
+            serialFor(
+                drawn.size(), run_,
+                [&](std::size_t i) { any = advance(drawn[i], wanted[drawn[i]], positions) || any; },
+                kPoll);
         }
     }
 
 private:
     static constexpr int kSweeps = 30;
+    static constexpr std::size_t kPoll = 256;  // vertices between two polls
     /// @return whether it moved by as much as is seen
     bool advance(PointelId p, const Vec3d& wanted, IdVector<PointelId, Vec3d>& positions) const {
         const Vec3d now = positions[p];
@@ -208,7 +189,8 @@ private:
                                       const IdVector<PointelId, Vec3d>& positions) const {
         constexpr std::size_t kTangle = 1000;
         std::size_t count = 0;
-        for (const SurfelId s : around_.of(p)) {
+        for (const std::uint32_t corner : around_.of(p)) {
+            const SurfelId s{corner / 4};
             const FaceState state = stateOf(surface_, s, positions);
             count += state == FaceState::inverted ? kTangle : state == FaceState::narrow ? 1 : 0;
             const FacePair first{s, SurfelId{0}};
@@ -221,7 +203,7 @@ private:
 
     const DigitalSurface& surface_;
     const RunContext& run_;
-    FacesAround around_;
+    IncidentCorners around_;
     std::vector<FacePair> pairs_;  ///< each both ways round, sorted
 };
 
